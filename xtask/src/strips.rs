@@ -32,37 +32,42 @@ const GENERATORS: [&str; 11] = [
     "l-system",
 ];
 
-/// Settings that can be seen, with four values from their range, and the rock of the pictures.
-pub const SETTINGS: [(&str, [&str; 4], &str); 14] = [
-    ("passage.width_per_radius", ["0.3", "0.6", "0.9", "1.3"], "limestone"),
-    ("passage.height_ratio", ["0.6", "1.1", "1.6", "2.2"], "limestone"),
-    ("passage.collapse", ["0", "0.7", "1.3", "2"], "limestone"),
-    ("rock.relief", ["0", "0.5", "1", "1.5"], "limestone"),
-    ("rock.flowstone", ["-0.6", "-0.2", "0.2", "0.6"], "limestone"),
-    ("rock.bed_m", ["0.4", "0.62", "1", "1.5"], "limestone"),
-    ("rock.rubble", ["-0.5", "-0.2", "0.1", "0.5"], "limestone"),
-    ("rock.overbreak", ["-0.6", "-0.2", "0.2", "0.6"], "drilled"),
-    ("look.humidity", ["0", "0.3", "0.6", "1"], "limestone"),
-    ("look.stain", ["0", "0.5", "1", "1.5"], "limestone"),
-    ("things.cover", ["0", "0.06", "0.2", "0.4"], "limestone"),
-    ("things.dripstone", ["0", "0.5", "1", "2"], "limestone"),
-    ("things.artefacts", ["0", "20", "100", "400"], "drilled"),
-    ("world.light_spacing_m", ["4", "9", "18", "40"], "limestone"),
+/// Settings that can be seen, with four values from their range, and the rock and the generator of the pictures.
+pub const SETTINGS: [(&str, [&str; 4], [&str; 2]); 14] = [
+    ("passage.width_per_radius", ["0.3", "0.6", "0.9", "1.3"], ["limestone", "gaussian-perlin"]),
+    ("passage.height_ratio", ["0.6", "1.1", "1.6", "2.2"], ["limestone", "gaussian-perlin"]),
+    ("passage.collapse", ["0", "0.7", "1.3", "2"], ["limestone", "gaussian-perlin"]),
+    ("rock.relief", ["0", "0.5", "1", "1.5"], ["limestone", "gaussian-perlin"]),
+    ("rock.flowstone", ["-0.6", "-0.2", "0.2", "0.6"], ["limestone", "gaussian-perlin"]),
+    ("rock.bed_m", ["0.4", "0.62", "1", "1.5"], ["limestone", "gaussian-perlin"]),
+    ("rock.rubble", ["-0.5", "-0.2", "0.1", "0.5"], ["limestone", "karst"]),
+    ("rock.overbreak", ["-0.6", "-0.2", "0.2", "0.6"], ["drilled", "gaussian-perlin"]),
+    ("look.humidity", ["0", "0.3", "0.6", "1"], ["limestone", "gaussian-perlin"]),
+    ("look.stain", ["0", "0.5", "1", "1.5"], ["limestone", "karst"]),
+    ("things.cover", ["0", "0.06", "0.2", "0.4"], ["limestone", "karst"]),
+    ("things.dripstone", ["0", "0.5", "1", "2"], ["limestone", "karst"]),
+    ("things.artefacts", ["0", "20", "100", "400"], ["drilled", "mine"]),
+    ("world.light_spacing_m", ["4", "9", "18", "40"], ["limestone", "gaussian-perlin"]),
 ];
 
 /// Draws all, or those whose name is an argument.
 pub fn run(arguments: &[String]) -> Result<()> {
     let plume = Plume::build(Profile::Dev)?;
     let is_wanted = |name: &str| arguments.is_empty() || arguments.iter().any(|argument| argument == name);
-    for (key, values, rock) in SETTINGS.iter().filter(|(key, ..)| is_wanted(key)) {
-        let rock = format!("rock.kind={rock}");
-        draw(&plume, key, &values.map(|value| vec![rock.clone(), format!("{key}={value}")]))?;
+    for (key, values, [rock, generator]) in SETTINGS.iter().filter(|(key, ..)| is_wanted(key)) {
+        let of = |value| [cave(generator, rock), vec![format!("{key}={value}")]].concat();
+        draw(&plume, key, &values.map(of))?;
     }
     for generator in GENERATORS.into_iter().filter(|name| is_wanted(name)) {
-        let chosen = format!("graph.generator={generator}");
-        draw(&plume, generator, &ROCKS.map(|rock| vec![chosen.clone(), format!("rock.kind={rock}")]))?;
+        draw(&plume, generator, &ROCKS.map(|rock| cave(generator, rock)))?;
     }
     Ok(())
+}
+
+/// The settings of a cave. The layers of a cave have stations of their own.
+fn cave(generator: &str, rock: &str) -> Vec<String> {
+    let size = (generator != "layers").then(|| NODES.to_owned());
+    [format!("graph.generator={generator}"), format!("rock.kind={rock}")].into_iter().chain(size).collect()
 }
 
 /// All of them, relative to the repository.
@@ -82,7 +87,7 @@ fn draw(plume: &Plume, name: &str, caves: &[Vec<String>; 4]) -> Result<()> {
     for (number, settings) in caves.iter().enumerate() {
         let part = scratch.join(format!("{name}-{number}.png"));
         let output = part.display().to_string();
-        let set = settings.iter().map(String::as_str).chain([NODES]).flat_map(|setting| ["--set", setting]);
+        let set = settings.iter().flat_map(|setting| ["--set", setting.as_str()]);
         let drawn = ["preview", "--view", "inside", "--size", SIZE, "--output", &output];
         plume.output(&drawn.into_iter().chain(set).collect::<Vec<_>>())?;
         parts.push(part);

@@ -37,7 +37,7 @@ fn of_section(name: &str, section: &Value) -> String {
 /// What the settings of a section change, as far as that can be seen; `rock` is the kind whose settings they are.
 fn pictures(section: &str, rock: Option<&str>) -> String {
     let is_here = |key: &str, of: &str| key.split('.').next() == Some(section) && rock.is_none_or(|rock| rock == of);
-    let here = SETTINGS.iter().filter(|(key, _, of)| is_here(key, of));
+    let here = SETTINGS.iter().filter(|(key, _, [of, _])| is_here(key, of));
     let shown = here.map(|(key, values, _)| {
         let (_, name) = key.split_once('.').unwrap_or(("", key));
         format!("\n`{name}` = {}:\n\n![](pictures/{key}.jpg)\n", values.join(", "))
