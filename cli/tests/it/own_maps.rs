@@ -22,9 +22,12 @@ fn put(desk: &Desk, path: &str, image: impl Into<DynamicImage>) {
     image.into().save(desk.path(path)).unwrap();
 }
 
-/// The pixels of all images of a cave whose names end so, without the colour of rows that show nothing.
-fn pixels(desk: &Desk, ending: &str, blank: Rgb<u8>) -> Vec<Rgb<u8>> {
-    let is_meant = |path: &std::path::PathBuf| path.to_string_lossy().ends_with(ending);
+/// The pixels of the images of chunks, or of things, whose names end so, without the colour of rows that show nothing.
+fn pixels(desk: &Desk, [start, ending]: [&str; 2], blank: Rgb<u8>) -> Vec<Rgb<u8>> {
+    let is_meant = |path: &std::path::PathBuf| {
+        let name = path.file_name().unwrap().to_string_lossy();
+        name.starts_with(start) && name.ends_with(ending)
+    };
     let images = files(&desk.path("cave/textures")).into_iter().filter(is_meant);
     images
         .flat_map(|path| image::open(path).unwrap().into_rgb8().pixels().copied().collect::<Vec<_>>())
@@ -38,10 +41,13 @@ fn the_rock_and_its_stones_look_like_the_maps() {
     put(&desk, "tiles/roughness.png", GrayImage::from_pixel(2, 2, Luma([64])));
     desk.make(&["generate", "cave.toml", "--output", "cave"]);
     desk.make(&["mesh", "--output", "plain"]);
-    let colors = pixels(&desk, "_base_color.png", Rgb([128; 3]));
+    let colors = pixels(&desk, ["chunk", "_base_color.png"], Rgb([128; 3]));
     assert!(!colors.is_empty() && colors.iter().all(|color| *color == RED));
-    let orm = pixels(&desk, "_orm.png", Rgb([255, 255, 0]));
+    let orm = pixels(&desk, ["chunk", "_orm.png"], Rgb([255, 255, 0]));
     assert!(!orm.is_empty() && orm.iter().all(|pixel| pixel[1] == 64));
+    // Beside stones there are things that are not of this rock.
+    let things = pixels(&desk, ["things", "_base_color.png"], Rgb([128; 3]));
+    assert!(2 * things.iter().filter(|color| **color == RED).count() > things.len());
     for name in ["chunks", "collision"] {
         assert_eq!(desk.hashes(&format!("cave/{name}")), desk.hashes(&format!("plain/{name}")), "{name}");
     }
