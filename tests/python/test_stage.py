@@ -100,16 +100,17 @@ def test_the_merged_collider_is_the_first_mesh_and_has_all_triangles(kept, merge
 
 
 def test_the_merged_collider_is_where_those_of_the_chunks_are(kept, merged):
-    points, corners = arrays(Usd.Stage.Open(str(merged / "cave.usda")).GetPrimAtPath("/World/Collision"))
+    points, corners = arrays(merged / "cave.usda", "/World/Collision")
     whole = {triangle.tobytes() for triangle in points[corners]}
     for layer in layers(kept):
-        points, corners = arrays(Usd.Stage.Open(str(layer)).GetPrimAtPath("/Chunk/Collision"))
+        points, corners = arrays(layer, "/Chunk/Collision")
         assert whole.issuperset(triangle.tobytes() for triangle in points[corners])
 
 
-def arrays(prim):
-    """Points, and the corners of triangles."""
-    mesh = UsdGeom.Mesh(prim)
+def arrays(layer, path):
+    """Points, and the corners of triangles, of a mesh."""
+    stage = Usd.Stage.Open(str(layer))
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath(path))
     return np.asarray(mesh.GetPointsAttr().Get()), np.asarray(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
 
 
