@@ -27,7 +27,6 @@ fn steps(table: &mut Table, foreign_programs: ScopedJoinHandle<()>) -> Result<()
     table.step("documentation and packages", documentation_and_packages)?;
     table.step("compiling the tests", || cargo_task(&["test", "--workspace", "--no-run", "--quiet"]))?;
     table.step("Rust tests", || test::rust(&[]))?;
-    table.step("a program of its own", test::program)?;
     table.step("waiting for foreign programs", || {
         foreign_programs.join().map_err(|_| "preparing foreign programs panicked".to_owned())
     })?;

@@ -15,6 +15,7 @@ const SMALL: [&str; 4] = ["--set", "graph.nodes=20", "--set", "texture.size_px=2
 /// physics engines.
 pub fn run(arguments: &[String]) -> Result<()> {
     rust(arguments)?;
+    program()?;
     python()?;
     simulators()?;
     let plume = Plume::package(Profile::Dev)?;
@@ -30,7 +31,7 @@ pub fn rust(arguments: &[String]) -> Result<()> {
 
 /// Builds the program in `examples/program` as its users would, without optimisation, and lets it make a cave. Its dependencies are
 /// those of the workspace.
-pub fn program() -> Result<()> {
+fn program() -> Result<()> {
     let (folder, output) = (root().join("examples/program"), root().join("target/program"));
     let lock = folder.join("Cargo.lock");
     fs::copy(root().join("Cargo.lock"), &lock).map_err(|error| format!("{}: {error}", lock.display()))?;
