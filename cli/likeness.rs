@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::summary::to_thousandths;
+use plume_exporters::frame::milli;
 use plume_graph::Graph;
 use plume_graph::realism::{CORE_NEEDED, LEAST_STATIONS, Likeness, Row, SCALE_FREE, Standing, Verdict};
 
@@ -34,7 +34,7 @@ pub fn json(likeness: &Likeness, graph: &Graph) -> Value {
         "stations": likeness.stations,
         "passages": graph.edges.len(),
         "parts": graph.components().len(),
-        "length_m": to_thousandths(graph.length_m()),
+        "length_m": milli(graph.length_m()),
         "branches": likeness.metrics.branches,
         "max_degree": likeness.metrics.max_degree,
         "metrics": metrics,

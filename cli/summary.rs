@@ -14,6 +14,7 @@ use plume::cave::{Exported, Order};
 use plume::pipeline::Pipeline;
 use plume::store::{CaveFolder, Facts, Stage, Unit, WHOLE_CAVE};
 use plume_exporters::Open;
+use plume_exporters::frame::milli;
 use plume_graph::Graph;
 
 /// Numbers gathered while the stages run.
@@ -44,7 +45,7 @@ impl Summary {
 
     fn graph(&mut self, graph: &Graph) {
         let (nodes, loops, length_m) = (graph.nodes.len(), graph.loops(), graph.length_m());
-        let numbers = json!({"nodes": nodes, "loops": loops, "length_m": to_thousandths(length_m)});
+        let numbers = json!({"nodes": nodes, "loops": loops, "length_m": milli(length_m)});
         self.stage("graph", &format!("{nodes} nodes  {loops} loops  {length_m:.0} m"), numbers);
     }
 
@@ -61,7 +62,7 @@ impl Summary {
         let area_m2 = facts().filter_map(|facts| facts.area_m2).fold(0.0, f64::add);
         let chunks = walls.len();
         let numbers = json!({
-            "chunks": chunks, "triangles": triangles, "collision_triangles": collision, "area_m2": to_thousandths(area_m2)
+            "chunks": chunks, "triangles": triangles, "collision_triangles": collision, "area_m2": milli(area_m2)
         });
         let text = format!("{chunks} chunks  {triangles} triangles  {area_m2:.0} m²");
         self.stage("mesh", &text, numbers);
@@ -167,11 +168,6 @@ fn shell_word(text: &str) -> String {
         true => text.to_owned(),
         false => format!("'{}'", text.replace('\'', r"'\''")),
     }
-}
-
-/// Rounded as far as the number means anything: a length in metres to millimetres.
-pub fn to_thousandths(number: f64) -> f64 {
-    (number * 1000.0).round() / 1000.0
 }
 
 fn megabytes(bytes: u64) -> f64 {

@@ -171,6 +171,11 @@ fn roll_pitch_yaw(m: &Matrix3<f64>) -> [f64; 3] {
     [libm::atan2(m[(2, 1)], m[(2, 2)]), pitch, libm::atan2(m[(1, 0)], m[(0, 0)])]
 }
 
+/// A number to a thousandth: a length in metres to millimetres.
+pub fn milli(number: f64) -> f64 {
+    (number * 1e3).round() / 1e3
+}
+
 /// A number to six decimals, without trailing zeros and without minus zero.
 pub fn micro(number: f64) -> String {
     let text = format!("{number:.6}");

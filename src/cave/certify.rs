@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use plume_exporters::frame::milli;
 use plume_exporters::scene::Scene;
 use plume_exporters::surface;
 use plume_graph::{Graph, StationId};
@@ -191,24 +192,24 @@ impl Certified<'_> {
         let name = |class: Option<Class>| class.map_or("none", Class::name);
         let station = |(number, reach): (usize, &Reach)| {
             json!({
-                "id": id(number), "there": name(reach.there), "back": name(reach.back), "length_m": rounded(reach.length_m),
+                "id": id(number), "there": name(reach.there), "back": name(reach.back), "length_m": milli(reach.length_m),
             })
         };
         let passage = |(ends, through): (&[StationId; 2], &Through)| {
             json!({
-                "from": self.graph[ends[0]].id, "to": self.graph[ends[1]].id, "widest_m": rounded(through.widest_m),
+                "from": self.graph[ends[0]].id, "to": self.graph[ends[1]].id, "widest_m": milli(through.widest_m),
                 "there": verdict(&through.there), "back": verdict(&through.back),
             })
         };
         let route = furthest.as_ref().map(
-            |(number, route)| json!({"to": id(*number), "length_m": rounded(route.length_m()), "path": path(route)}),
+            |(number, route)| json!({"to": id(*number), "length_m": milli(route.length_m()), "path": path(route)}),
         );
         json!({
             "generator": self.generator,
             "robot": { "name": self.robot.name, "settings": self.robot.settings },
             "frame": "right-handed, Z up, metres",
             "path": ["x_m", "y_m", "z_m", "heading_deg", "climb_deg", "lean_deg"],
-            "floor": { "area_m2": rounded(*floor_m2), "reached_m2": rounded(*reached_m2), "share": rounded(reached_m2 / floor_m2) },
+            "floor": { "area_m2": milli(*floor_m2), "reached_m2": milli(*reached_m2), "share": milli(reached_m2 / floor_m2) },
             "stations": stations.iter().enumerate().map(station).collect::<Value>(),
             "passages": self.graph.edges.iter().zip(passages).map(passage).collect::<Value>(),
             "route": route,
@@ -236,8 +237,8 @@ fn verdict(verdict: &Verdict) -> Value {
     let Verdict { class, fault, route } = verdict;
     let fault = fault.as_ref().map(|(fault, at)| {
         let unit = if fault.cause.is_angle() { "deg" } else { "m" };
-        let [value, limit] = fault.at_edge().map(rounded);
-        json!({"cause": fault.cause.name(), "unit": unit, "value": value, "limit": limit, "at": at.map(rounded)})
+        let [value, limit] = fault.at_edge().map(milli);
+        json!({"cause": fault.cause.name(), "unit": unit, "value": value, "limit": limit, "at": at.map(milli)})
     });
     json!({ "class": class.name(), "stopped_by": fault, "path": path(route) })
 }
@@ -245,15 +246,10 @@ fn verdict(verdict: &Verdict) -> Value {
 /// Positions, headings, climbs and leans.
 fn path(route: &Route) -> Value {
     let pose = |waypoint: &Waypoint| {
-        let [x, y, z] = waypoint.position_m.map(rounded);
+        let [x, y, z] = waypoint.position_m.map(milli);
         let turns = [waypoint.heading_rad, waypoint.climb_rad, waypoint.lean_rad];
-        let [heading, climb, lean] = turns.map(|turn| rounded(turn.to_degrees()));
+        let [heading, climb, lean] = turns.map(|turn| milli(turn.to_degrees()));
         json!([x, y, z, heading, climb, lean])
     };
     route.waypoints.iter().map(pose).collect()
-}
-
-/// To a thousandth.
-fn rounded(value: f64) -> f64 {
-    (value * 1e3).round() / 1e3
 }

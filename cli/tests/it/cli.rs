@@ -41,43 +41,6 @@ fn unknown_names_are_reported() {
 }
 
 #[test]
-fn options_of_targets_are_listed() {
-    let desk = Desk::new();
-    let listed = |more: &[&str]| String::from_utf8(desk.run(&[&["list", "options"], more].concat()).stdout).unwrap();
-    let gazebo = listed(&["gazebo"]);
-    assert!(gazebo.contains("  gazebo.ambient ") && gazebo.contains("[0.0 to 1.0; default 0.1]"), "{gazebo}");
-    assert!(!gazebo.contains("mujoco."), "{gazebo}");
-    let all: serde_json::Value = serde_json::from_str(&listed(&["--json"])).unwrap();
-    let lights = all["options"].as_array().unwrap().iter().find(|row| row["name"] == "gazebo.lights").unwrap();
-    assert_eq!((&lights["target"], &lights["default"]), (&json!("gazebo"), &json!(true)));
-    assert_snapshot!("options_of_no_target", desk.fault(&["list", "options", "gazeboo"]));
-    assert_snapshot!("options_of_another_table", desk.fault(&["list", "robots", "gazebo"]));
-}
-
-#[test]
-fn hints_lead_to_what_was_meant() {
-    let desk = Desk::new();
-    assert_snapshot!("no_preset_nearby", desk.fault(&["new", "--preset", "ice"]));
-    assert_snapshot!("key_without_section", desk.fault(&["new", "--set", "nodes=5"]));
-    let export = |target: &str, option: &str| desk.fault(&["export", "--target", target, "--option", option]);
-    assert_snapshot!("option_without_target", export("gazebo", "ros2=true"));
-    assert_snapshot!("option_of_others", export("obj", "ros2=true"));
-    assert_snapshot!("option_of_no_export", export("obj, glb", "gazebo.ros2=true"));
-    let fault = desk.fault(&["export"]);
-    assert!(fault.starts_with("exit 2\n") && fault.contains("known targets: gazebo, isaac"), "{fault}");
-}
-
-#[test]
-fn images_that_a_target_does_not_take_are_refused_before_the_work() {
-    let desk = Desk::new();
-    let webp = ["--set", "texture.format=webp"];
-    assert_snapshot!("images_unfit", desk.fault(&[&["export", "--target", "glb,gazebo"], &webp[..]].concat()));
-    let with = ["export", "--target", "glb", "--with", "gazebo"];
-    assert!(desk.fault(&[&with, &webp[..]].concat()).contains("target `gazebo` does not take"));
-    assert_eq!(files(&desk.path("")).len(), 0);
-}
-
-#[test]
 fn faulty_previews_are_reported() {
     let desk = Desk::new();
     desk.file("file", "a file");
@@ -331,68 +294,6 @@ fn another_cave_is_not_overwritten() {
     assert_eq!(before, desk.hashes("cave"));
     desk.make(&["graph", "--output", "cave", "--seed", "8", "--force"]);
     assert_ne!(before, desk.hashes("cave"));
-}
-
-#[test]
-fn the_printed_recipe_reads_back_as_itself() {
-    let desk = Desk::new();
-    for preset in ["cave", "lava-tube", "mine", "layers"] {
-        let printed = String::from_utf8(desk.run(&["new", "--preset", preset]).stdout).unwrap();
-        desk.file("printed.toml", &printed);
-        let made = desk.run(&["graph", "printed.toml", "--output", preset, "--json"]);
-        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-        let kept = fs::read_to_string(desk.path(preset).join("cave.toml")).unwrap();
-        let (schema, printed) = printed.split_once("\n\n").unwrap();
-        assert!(schema.starts_with("#:schema https://") && schema.ends_with("/docs/recipe.schema.json"), "{schema}");
-        let (recipe, last_line) = kept.trim_end().rsplit_once('\n').unwrap();
-        assert_eq!((printed.trim_end(), last_line), (recipe.trim_end(), "# End of the recipe: keep this line."));
-    }
-}
-
-#[test]
-fn a_recipe_file_can_be_started_from_like_a_preset() {
-    let desk = Desk::new();
-    fs::create_dir(desk.path("own")).unwrap();
-    desk.file("own/cave.toml", "[graph]\ngenerator = \"file\"\npath = \"a.json\"\n\n[rock]\nkind = \"basalt\"\n");
-    let printed = |arguments: &[&str]| {
-        let output = desk.run(&[&["new", "--preset"], arguments].concat());
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).unwrap()
-    };
-    let recipe = printed(&["own/cave.toml", "--set", "seed=9"]);
-    // The path leads there from where the recipe is printed.
-    for line in ["seed = 9", "path = \"own/a.json\"", "kind = \"basalt\""] {
-        assert!(recipe.lines().any(|other| other == line), "{line}: {recipe}");
-    }
-    fs::copy(desk.path("own/cave.toml"), desk.path("own.toml")).unwrap();
-    let mine = printed(&["own.toml", "--set", "graph.generator=mine"]);
-    assert!(mine.contains("\ngenerator = \"mine\"\n") && mine.contains("\nkind = \"basalt\"\n"), "{mine}");
-    assert_snapshot!("no_such_preset_file", desk.fault(&["new", "--preset", "none.toml"]));
-    desk.file("own.toml", "sed = 3\n");
-    assert_snapshot!("faulty_preset_file", desk.fault(&["new", "--preset", "./own.toml"]));
-}
-
-#[test]
-fn every_generator_and_rock_can_be_chosen_in_a_new_recipe() {
-    let desk = Desk::new();
-    let listed: serde_json::Value = serde_json::from_slice(&desk.run(&["list", "--json"]).stdout).unwrap();
-    let names = |table: &str| -> Vec<String> {
-        listed[table].as_array().unwrap().iter().map(|row| row["name"].as_str().unwrap().to_owned()).collect()
-    };
-    let generators = names("generators").into_iter().map(|name| ("graph.generator", "generator", name));
-    let rocks = names("materials").into_iter().map(|name| ("rock.kind", "kind", name));
-    let choices: Vec<_> = generators.chain(rocks).collect();
-    for preset in names("presets") {
-        for (path, key, name) in &choices {
-            let made = desk.run(&["new", "--preset", &preset, "--set", &format!("{path}={name}")]);
-            let said = String::from_utf8_lossy(&made.stderr);
-            assert!(made.status.success(), "{preset} {name}: {said}");
-            let recipe = String::from_utf8(made.stdout).unwrap();
-            assert!(recipe.contains(&format!("\n{key} = \"{name}\"\n")), "{preset} {name}");
-        }
-    }
-    let printed = desk.run(&["new", "--set", "graph.generator=mine", "--set", "graph.levels=3"]).stdout;
-    assert!(String::from_utf8(printed).unwrap().contains("\nlevels = 3\n"));
 }
 
 #[test]
@@ -699,23 +600,5 @@ fn folders_may_have_names_that_are_not_utf_8() {
     for format in ["--quiet", "--json"] {
         let output = desk.command(&["graph", "--force", format, "--output"]).arg(name).output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    }
-}
-
-#[test]
-fn every_key_is_documented_with_its_range() {
-    let desk = Desk::new();
-    let schema: serde_json::Value = serde_json::from_slice(&desk.run(&["schema"]).stdout).unwrap();
-    for (section, schema) in schema["properties"].as_object().unwrap() {
-        let variants = schema["oneOf"].as_array().cloned().unwrap_or_else(|| vec![schema.clone()]);
-        for (key, schema) in variants.iter().filter_map(|v| v["properties"].as_object()).flatten() {
-            assert!(schema["description"].is_string(), "{section}.{key} says nothing");
-            for number in [schema, &schema["items"]] {
-                let kinds = number["type"].to_string();
-                let is_number = kinds.contains("integer") || kinds.contains("number");
-                let has_range = number["minimum"].is_number() && number["maximum"].is_number();
-                assert!(!is_number || has_range, "{section}.{key} has no range: {schema}");
-            }
-        }
     }
 }

@@ -14,6 +14,8 @@ mod graphs;
 mod handover;
 mod measure;
 mod models;
+mod new;
 mod nothing_lost;
+mod options;
 mod own_maps;
 mod record;

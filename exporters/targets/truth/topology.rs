@@ -10,6 +10,7 @@ use super::table::{Entry, Table};
 use crate::error::ExportError;
 use crate::format::graphml::{GraphMl, Key};
 use crate::format::survex::{Aim, Errors, Leg, Section, Survey};
+use crate::frame::milli;
 use crate::package::Package;
 use crate::scene::{Network, Scene, Station};
 
@@ -67,8 +68,8 @@ impl Topology<'_> {
             let mut values =
                 vec![("x", x.to_string()), ("y", y.to_string()), ("z", z.to_string()), ("level", level.to_string())];
             if let Some(Room { left_m, right_m, up_m, down_m }) = Room::around(self.floor, [x, y, z], heading_rad) {
-                values.push(("width_m", rounded(left_m + right_m).to_string()));
-                values.push(("height_m", rounded(up_m + down_m).to_string()));
+                values.push(("width_m", milli(left_m + right_m).to_string()));
+                values.push(("height_m", milli(up_m + down_m).to_string()));
             }
             graph.node(name, &values);
         }
@@ -76,9 +77,9 @@ impl Topology<'_> {
             for (ends, verdict) in [(*ends, &through.there), ([ends[1], ends[0]], &through.back)] {
                 let [length_m, slope_rad] = [self.length_m(ends), self.slope_rad(ends)];
                 let mut values = vec![
-                    ("length_m", rounded(length_m).to_string()),
-                    ("slope_deg", rounded(slope_rad.to_degrees()).to_string()),
-                    ("widest_m", rounded(through.widest_m).to_string()),
+                    ("length_m", milli(length_m).to_string()),
+                    ("slope_deg", milli(slope_rad.to_degrees()).to_string()),
+                    ("widest_m", milli(through.widest_m).to_string()),
                 ];
                 values.extend(judged(verdict));
                 graph.edge(ends.map(|end| stations[end].name.as_str()), &values);
@@ -119,7 +120,7 @@ impl Topology<'_> {
         let levels = |passage: &Passage| passage.ends.map(|end| stations[end].level);
         let length_m = |is_own: &dyn Fn(&Passage) -> bool| {
             let own = passages.iter().filter(|passage| is_own(passage));
-            rounded(own.map(|passage| self.length_m(passage.ends)).fold(0.0, |sum, length_m| sum + length_m))
+            milli(own.map(|passage| self.length_m(passage.ends)).fold(0.0, |sum, length_m| sum + length_m))
         };
         let deepest = stations.iter().map(|station| station.level).max();
         let of_level =
@@ -219,13 +220,8 @@ fn judged(verdict: &Verdict) -> Vec<(&'static str, String)> {
     let mut values = vec![("class", verdict.class.name().to_owned())];
     if let Some((fault, _)) = verdict.fault {
         values.push(("stopped_by", fault.cause.name().to_owned()));
-        let [value, limit] = fault.at_edge().map(|value| rounded(value).to_string());
+        let [value, limit] = fault.at_edge().map(|value| milli(value).to_string());
         values.extend([("value", value), ("limit", limit)]);
     }
     values
-}
-
-/// To a thousandth.
-fn rounded(value: f64) -> f64 {
-    (value * 1e3).round() / 1e3
 }

@@ -4,10 +4,11 @@ import sys
 
 from PIL import Image
 
+GAP = 4
+
 out, *names = sys.argv[1:]
 pictures = [Image.open(name).convert("RGB") for name in names]
 width, height = pictures[0].size
-GAP = 4
 strip = Image.new("RGB", (len(pictures) * (width + GAP) - GAP, height), "white")
 for place, picture in enumerate(pictures):
     strip.paste(picture, (place * (width + GAP), 0))
