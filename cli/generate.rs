@@ -11,8 +11,6 @@ use super::summary::Summary;
 use plume::cave::{self, Cave, Input};
 use plume::pipeline::Pipeline;
 use plume::store::{CaveFolder, Stage};
-use plume_graph::echo::sentence;
-use plume_survey::Warning;
 
 /// Makes a cave folder. If interrupted, the same command resumes where it stopped. Given a cave folder as input, updates it
 /// to match changes of its recipe and graph.
@@ -56,17 +54,9 @@ impl Generate {
     }
 }
 
-/// Notes what has changed in a cave folder before it is updated, and what is doubtful about a survey.
+/// Notes what has changed in a cave folder before it is updated.
 pub fn note_changes(input: &Input, console: &Console) {
-    note_warnings(&input.warnings, console);
     for change in &input.changes {
         console.note(&format!("  changed   {change}"));
-    }
-}
-
-/// Notes what is doubtful about a survey.
-pub fn note_warnings(warnings: &[Warning], console: &Console) {
-    for warning in warnings {
-        console.note(&format!("  warning   {}", sentence(&warning.to_string())));
     }
 }

@@ -9,10 +9,9 @@ use serde_json::{Value, json};
 use super::access::{Access, Outside};
 use super::fault::CliError;
 use super::generate::Generate;
-use super::generate::note_warnings;
 use super::progress::Console;
 use super::signals;
-use plume::pipeline::PipelineError;
+use plume::pipeline::{Observer, PipelineError};
 use plume::store::{self, CaveFolder, Stage, StoreError};
 use plume_graph::Graph;
 use plume_survey::{FORMATS, FormatRow, Import, Parts, ReadError, Tally, Written};
@@ -247,11 +246,7 @@ fn tell(import: &Import, paths: &[PathBuf], console: &Console) -> Result<(), Cli
     if [x, y, z] != [0.0; 3] {
         console.note(&format!("  origin    at {x:.3}, {y:.3}, {z:.3} m of the file"));
     }
-    note_warnings(warnings, console);
-    if tally.doubtful > warnings.len() {
-        let more = grouped(tally.doubtful - warnings.len());
-        console.note(&format!("  warning   {more} more doubtful readings are not listed"));
-    }
+    import.doubts().for_each(|doubt| console.warn(&doubt));
     console.note(&format!("  written   {}", paths.join(", ")));
     Ok(())
 }

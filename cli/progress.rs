@@ -14,6 +14,7 @@ use super::{Common, signals};
 use plume::pipeline::{Disk, Observer};
 use plume::recipe::Fault;
 use plume::store::Stage;
+use plume_graph::echo::sentence;
 use plume_record::Watch;
 
 /// All printing goes through this.
@@ -163,6 +164,10 @@ impl Observer for Console {
 
     fn stop(&self) -> &AtomicBool {
         signals::stop()
+    }
+
+    fn warn(&self, warning: &str) {
+        self.note(&format!("  warning   {}", sentence(warning)));
     }
 
     fn allows_programs(&self) -> bool {

@@ -36,6 +36,7 @@ impl Generator for File {
         let import = plume_survey::read(&self.path, self.parts, outside)
             .and_then(|import| import.scaled(self.scale, &self.path));
         let import = import.map_err(|error| GenerateError::new(error.to_string(), error.hint))?;
+        import.doubts().for_each(|doubt| outside.warn(&doubt));
         Ok(import.graph)
     }
 }

@@ -22,6 +22,9 @@ pub trait Outside: Sync {
         false
     }
 
+    /// Tells the user of something that can be read but is probably a mistake; by default nobody is told.
+    fn warn(&self, _warning: &str) {}
+
     /// Runs a program and returns its standard output.
     ///
     /// # Errors

@@ -33,18 +33,18 @@ mod salt;
 mod site;
 mod surface;
 
-pub use basalt::Basalt;
+pub use basalt::{Basalt, BasaltColors};
 pub use clad::{Clad, OwnMaps};
 pub use coarse::{CHANNELS, Coarse, CoarseBlock, CoarseTone, JETS, MARKS, OVERSHOOT};
-pub use color::Shades;
-pub use drilled::{Drilled, Lithology};
+pub use color::{Rgb, Shades};
+pub use drilled::{Drilled, DrilledColors, Lithology};
 pub use floor::{Debris, Sediment};
-pub use limestone::Limestone;
+pub use limestone::{Limestone, LimestoneColors};
 pub use look::Look;
 pub use rock::{Detail, Floor, Form, JUMP_M, PROTRUSION, Paint, RECESS_M, Rock, STEEPEST, Wall};
 pub(crate) use roughness::roughness;
 pub use rubble::Rubble;
-pub use salt::Salt;
+pub use salt::{Salt, SaltColors};
 pub(crate) use site::by_axis;
 pub use site::{BLOCK, Channel, Footprint, Ground, Site, Sites, Stored, SurfaceSamples};
 
@@ -98,7 +98,8 @@ pub struct MaterialRow {
     pub summary: &'static str,
     /// Which version of the rock's formulas this is: walls and images made by another one are remade.
     pub revision: u32,
-    /// JSON Schema of the settings: descriptions, ranges, defaults.
+    /// JSON Schema of the settings: descriptions, ranges, defaults. What is in a section `colors` must not change the shape:
+    /// walls are kept when it changes.
     pub schema: fn() -> Schema,
     /// Reads settings (an object with a subset of the keys).
     pub read: fn(Value) -> Result<Arc<dyn Material>, serde_json::Error>,

@@ -22,7 +22,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 pub use self::error::PipelineError;
 pub use self::files::UserFiles;
@@ -38,7 +38,7 @@ use crate::preview::{Furnishing, Subject};
 use crate::recipe::Recipe;
 use crate::store::{self, CaveFolder, Facts, FileRecord, MeshFacts, Stage, TextureFacts, Unit, chunk_name, sha256};
 use crate::things::{Library, Shelf};
-use plume_graph::{Graph, Outside};
+use plume_graph::Graph;
 use plume_survey::{Import, Parts};
 
 /// Observes the work and may stop it.
@@ -51,6 +51,8 @@ pub trait Observer: Sync {
     fn end(&self, stage: Stage);
     /// Set to stop after the units in progress.
     fn stop(&self) -> &AtomicBool;
+    /// Told of something that can be read but is probably a mistake.
+    fn warn(&self, _warning: &str) {}
     /// Whether recipes may run programs.
     fn allows_programs(&self) -> bool {
         false
@@ -161,11 +163,12 @@ impl<'a> Pipeline<'a> {
         let stations = stations(&graph);
         let maps = [crate::VERSION, &stations, &names(&graph), &section(&["name", "passage"])].concat();
         let preview_fingerprint = sha256(maps.as_bytes());
-        let shape = [recipe.version(), stations, section(&["seed", "passage", "rock", "mesh"])].concat();
+        let [rock_shape, rock_colors] = rock_parts(&kept["rock"]);
+        let shape =
+            [recipe.version(), stations, section(&["seed", "passage"]), rock_shape, section(&["mesh"])].concat();
         let mesh_fingerprint = sha256(shape.as_bytes());
-        let colour =
-            [mesh_fingerprint.as_str(), &section(&["look", "texture", "lod"]), &files.maps.copies.fingerprint()]
-                .concat();
+        let look = section(&["look", "texture", "lod"]);
+        let colour = [mesh_fingerprint.as_str(), &rock_colors, &look, &files.maps.copies.fingerprint()].concat();
         let texture_fingerprint = sha256(colour.as_bytes());
         let things = [texture_fingerprint.as_str(), &section(&["things"]), &files.models.copies.fingerprint()].concat();
         let things_fingerprint = sha256(things.as_bytes());
@@ -403,6 +406,13 @@ impl<'a> Pipeline<'a> {
     }
 }
 
+/// The settings of a rock that its shape follows from, and its colours.
+fn rock_parts(rock: &Value) -> [String; 2] {
+    let (colors, shape): (Map<_, _>, Map<_, _>) =
+        rock.as_object().cloned().unwrap_or_default().into_iter().partition(|(key, _)| key == "colors");
+    [shape, colors].map(|part| Value::from(part).to_string())
+}
+
 /// SHA-256 of everything that a cave follows from.
 pub fn cave_fingerprint(recipe: &Recipe, graph: &Graph, files: &UserFiles) -> String {
     let text = kept_graph_text(recipe, graph);
@@ -505,10 +515,7 @@ fn names(graph: &Graph) -> String {
 /// # Errors
 /// If the graph is impossible, or the observer stops.
 pub fn generated(recipe: &Recipe, observer: &dyn Observer) -> Result<Graph, PipelineError> {
-    let disk = Disk { allows_outside_files: observer.allows_outside_files() };
-    let machine = Machine { disk, stop: observer.stop() };
-    let outside: &dyn Outside = if observer.allows_programs() { &machine } else { &disk };
-    let graph = recipe.realism().generate(recipe.graph(), recipe.seed(), outside);
+    let graph = recipe.realism().generate(recipe.graph(), recipe.seed(), &Machine::new(observer));
     graph.map_err(|error| match observer.stop().load(Ordering::Relaxed) {
         true => PipelineError::Interrupted,
         false => error.into(),

@@ -99,6 +99,13 @@ impl fmt::Display for Warning {
 }
 
 impl Import {
+    /// What is probably a mistake, as lines for the user; the last one counts what is not listed.
+    pub fn doubts(&self) -> impl Iterator<Item = String> {
+        let more = self.tally.doubtful.saturating_sub(self.warnings.len());
+        let more = (more > 0).then(|| format!("{more} more doubtful readings are not listed"));
+        self.warnings.iter().map(ToString::to_string).chain(more)
+    }
+
     /// The same with all lengths multiplied by a factor. Nodes that end up in one place, to 1 mm, are welded.
     ///
     /// # Errors

@@ -577,6 +577,23 @@ class Graph:
     def edges(self) -> NDArray[np.uint32]:
         """The passages as pairs of rows of `positions`: (m, 2) uint32, smaller row first, sorted, unique."""
 
+    @property
+    def names(self) -> list[str | None]:
+        """What a survey calls each station, in the order of `positions`; `None` where it has no name.
+
+        >>> set(cave.graph.names)
+        {None}
+        """
+
+    @property
+    def georeference(self) -> tuple[list[float], str | None] | None:
+        """Where the origin of the cave lies in the coordinates of its survey: east, north and up in metres, and the coordinate
+        system as the survey names it, such as `EPSG:32633`, if it does. `None` if that is unknown.
+
+        >>> cave.graph.georeference is None
+        True
+        """
+
     def to_json(self) -> str:
         """The text of the graph file with its recipe: `graph.json` of the cave folder, from which alone `generate` can make
         the same cave again.

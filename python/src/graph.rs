@@ -58,6 +58,26 @@ impl Graph {
         self.edges.clone_ref(py)
     }
 
+    /// What a survey calls each station, in the order of `positions`; `None` where it has no name.
+    ///
+    /// >>> set(cave.graph.names)
+    /// {None}
+    #[getter]
+    fn names(&self) -> Vec<Option<&str>> {
+        self.cave.graph().nodes.iter().map(|node| node.name.as_deref()).collect()
+    }
+
+    /// Where the origin of the cave lies in the coordinates of its survey: east, north and up in metres, and the coordinate
+    /// system as the survey names it, such as `EPSG:32633`, if it does. `None` if that is unknown.
+    ///
+    /// >>> cave.graph.georeference is None
+    /// True
+    #[getter]
+    fn georeference(&self) -> Option<([f64; 3], Option<&str>)> {
+        let place = self.cave.graph().georeference.as_ref()?;
+        Some((place.origin_m.into(), place.system.as_deref()))
+    }
+
     /// The text of the graph file with its recipe: `graph.json` of the cave folder, from which alone `generate` can make
     /// the same cave again.
     fn to_json(&self) -> String {

@@ -6,6 +6,8 @@
 //! half-written file is left. Threads of the pool end with the work, so the process may fork afterwards.
 
 use std::any::Any;
+use std::ffi::CString;
+use std::mem;
 use std::num::NonZeroUsize;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,6 +19,7 @@ use plume::cave::CaveError;
 use plume::pipeline::Observer;
 use plume::store::Stage;
 use plume_dataset::Reply;
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 
 use crate::error;
@@ -44,12 +47,14 @@ pub fn run<T: Send>(
         let mut told = None;
         while !ended.load(Ordering::Acquire) {
             py.detach(|| thread::park_timeout(PAUSE));
-            let attended = py.check_signals().and_then(|()| watch.tell(progress, &mut told));
+            let attended = py.check_signals().and_then(|()| watch.warn_in(py));
+            let attended = attended.and_then(|()| watch.tell(progress, &mut told));
             if attended.is_err() {
                 watch.stop.store(true, Ordering::Relaxed);
                 raised = raised.and(attended);
             }
         }
+        let raised = raised.and_then(|()| watch.warn_in(py));
         PyResult::Ok((worker.join(), raised))
     })?;
     raised?;
@@ -97,6 +102,7 @@ pub struct Watch {
     programs: AtomicBool,
     outside_files: AtomicBool,
     progress: Mutex<Option<Progress>>,
+    warnings: Mutex<Vec<String>>,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -129,6 +135,16 @@ impl Watch {
         });
     }
 
+    /// Issues the warnings that have come since the last call.
+    fn warn_in(&self, py: Python<'_>) -> PyResult<()> {
+        let warnings = mem::take(&mut *self.warnings.lock().unwrap_or_else(PoisonError::into_inner));
+        let category = py.get_type::<PyUserWarning>();
+        for warning in warnings {
+            PyErr::warn(py, &category, &CString::new(warning)?, 1)?;
+        }
+        Ok(())
+    }
+
     fn tell(&self, to: Option<&Bound<'_, PyAny>>, told: &mut Option<Progress>) -> PyResult<()> {
         let now = *self.progress.lock().unwrap_or_else(PoisonError::into_inner);
         let Some((to, now)) = to.zip(now).filter(|(_, now)| *told != Some(*now)) else {
@@ -152,6 +168,10 @@ impl Observer for Watch {
 
     fn stop(&self) -> &AtomicBool {
         &self.stop
+    }
+
+    fn warn(&self, warning: &str) {
+        self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
     }
 
     fn allows_programs(&self) -> bool {

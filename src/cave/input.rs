@@ -13,7 +13,7 @@ use crate::recipe::{self, Recipe};
 use crate::store::{self, CaveFolder, Stage};
 use plume_graph::Graph;
 use plume_graph::realism::RealismSettings;
-use plume_survey::{Parts, Warning, format_of};
+use plume_survey::{Parts, format_of};
 
 /// The only format whose files may carry a recipe.
 const OWN_FORMAT: &str = "json";
@@ -34,8 +34,6 @@ pub struct Input {
     pub is_overridden: bool,
     /// What has changed since the cave folder was made: `graph.nodes: 8 → 9`, or an edited graph.
     pub changes: Vec<String>,
-    /// Readings of a survey that are probably mistakes.
-    pub warnings: Vec<Warning>,
 }
 
 impl Input {
@@ -59,7 +57,7 @@ impl Input {
 
     /// A recipe and nothing else.
     pub fn of(recipe: Recipe) -> Self {
-        Self { recipe, graph: None, folder: None, is_overridden: false, changes: Vec::new(), warnings: Vec::new() }
+        Self { recipe, graph: None, folder: None, is_overridden: false, changes: Vec::new() }
     }
 }
 
@@ -142,7 +140,7 @@ fn graph_file(path: &Path, overrides: &[String], disk: Disk) -> Result<Input, Ca
     Ok(Input { graph: Some(document.graph), ..Input::of(recipe) })
 }
 
-/// A graph or survey without a recipe. It is read here to tell what is wrong or doubtful about it before anything is made.
+/// A graph or survey without a recipe. It is read here to tell what is wrong about it before anything is made.
 fn foreign_graph(path: &Path, overrides: &[String], disk: Disk) -> Result<Input, CaveError> {
     let name = path.to_str().ok_or_else(|| CaveError::Usage {
         message: format!("{}: this path cannot be written to a recipe", path.display()),
@@ -151,8 +149,8 @@ fn foreign_graph(path: &Path, overrides: &[String], disk: Disk) -> Result<Input,
     let file = json!({"graph": {"generator": "file", "path": name}});
     let recipe = Recipe::from_json(file, path, overrides)?;
     // What to do with parts is up to the generator.
-    let warnings = disk.graph(path, Parts::Keep)?.warnings;
-    Ok(Input { warnings, ..Input::of(recipe) })
+    disk.graph(path, Parts::Keep)?;
+    Ok(Input::of(recipe))
 }
 
 /// The preset called `name`.

@@ -30,7 +30,8 @@ pub struct PassageSettings {
     /// Width of a passage relative to the radius of its station.
     #[schemars(range(min = 0.1, max = 4.0))]
     pub width_per_radius: f32,
-    /// Minimum width of a passage, in metres.
+    /// Minimum width of a passage before its walls are rough and stones lie in it, in metres. The free width is smaller: `plume
+    /// certify` measures what a robot has.
     #[schemars(range(min = 0.8, max = 10.0))]
     pub width_min_m: f32,
     /// Height of the full section relative to its width; the floor cuts off its lower part.

@@ -4,6 +4,10 @@
 //! Second state: spall, where the lining has fallen off and exposes the fractured flow behind it. The floor is ash with
 //! angular slabs (after Larson, *Illustrated Glossary of Lava Tube Features*, 1993).
 
+mod colors;
+
+pub use colors::BasaltColors;
+
 use super::coarse::{Coarse, MARKS};
 use super::color::{Color, Tone, ramp};
 use super::floor::Debris;
@@ -36,11 +40,13 @@ pub struct Basalt {
     /// Density of slabs on the floor: −0.5 clear, 0.5 covered.
     #[schemars(range(min = -0.5, max = 0.5))]
     pub rubble: f32,
+    /// Its colours, as linear red, green and blue, each 0 to 1.
+    pub colors: BasaltColors,
 }
 
 impl Default for Basalt {
     fn default() -> Self {
-        Self { relief: 1.0, wander_m: 0.6, spall: -0.02, ledge_m: 0.7, rubble: 0.06 }
+        Self { relief: 1.0, wander_m: 0.6, spall: -0.02, ledge_m: 0.7, rubble: 0.06, colors: BasaltColors::default() }
     }
 }
 
@@ -243,10 +249,10 @@ impl Rock for Basalt {
     #[inline(always)]
     fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S> {
         let tone = Tone::of(form, site, footprint);
-        let dry = Self::wall_color(form, look, &tone);
-        let color = dry.under(Self::floor_color(form, &tone), form.floor);
+        let dry = self.wall_color(form, look, &tone);
+        let color = dry.under(self.floor_color(form, &tone), form.floor);
         let dust = form.upward.step(0.55, 0.95) * (tone.broad * 0.4 + 0.55).within(0.0, 1.0) * 0.30;
-        let color = color.tinted([0.118, 0.104, 0.090], dust).lit(tone.shade(form));
+        let color = color.tinted(self.colors.dust, dust).lit(tone.shade(form));
         let film = tone.film(form, look, form.floor * 0.21 + 0.04);
         let glazed = (-form.state + 1.0) * (-form.floor + 1.0) * tone.patch.step(-0.1, 0.4);
         let dry = tone.dry_roughness(form, glazed * -0.28 + 0.80);
@@ -261,11 +267,12 @@ impl Rock for Basalt {
 
 impl Basalt {
     #[inline(always)]
-    fn wall_color<S: Simd>(form: &Form<S>, look: &Look, tone: &Tone<S>) -> Color<S> {
-        let lining =
-            ramp((tone.broad * 0.55 + tone.fine * 0.62).step(-0.6, 0.65), [0.021, 0.020, 0.020], [0.115, 0.108, 0.103]);
-        let spall =
-            ramp((tone.broad * 0.45 + tone.fine * 0.65).step(-0.55, 0.6), [0.046, 0.041, 0.038], [0.150, 0.131, 0.115]);
+    fn wall_color<S: Simd>(&self, form: &Form<S>, look: &Look, tone: &Tone<S>) -> Color<S> {
+        let colors = &self.colors;
+        let light = (tone.broad * 0.55 + tone.fine * 0.62).step(-0.6, 0.65);
+        let lining = ramp(light, colors.lining_dark, colors.lining_pale);
+        let light = (tone.broad * 0.45 + tone.fine * 0.65).step(-0.55, 0.6);
+        let spall = ramp(light, colors.spall_dark, colors.spall_pale);
         // Oxidation follows the flow levels.
         let [_, _, _, level, bloom, ..] = form.marks;
         let red = (level + tone.fine * 0.8 + form.cavity * 0.2).step(0.38, 0.58);
@@ -277,17 +284,18 @@ impl Basalt {
         let bloom = (bloom + tone.fine * 0.6 + form.relief * 0.35 + form.crack * 0.3).step(0.55, 0.75) * roof;
         lining
             .under(spall, form.state * 0.8)
-            .tinted([0.150, 0.052, 0.026], red * (edge * 0.6 + form.state * 0.25 + 0.15) * (0.68 * look.stain))
-            .tinted([0.160, 0.100, 0.045], ochre * (0.25 * look.stain))
-            .tinted([0.340, 0.310, 0.260], bloom * (0.50 * look.stain))
+            .tinted(colors.oxide, red * (edge * 0.6 + form.state * 0.25 + 0.15) * (0.68 * look.stain))
+            .tinted(colors.ochre, ochre * (0.25 * look.stain))
+            .tinted(colors.sulphate, bloom * (0.50 * look.stain))
             .lit(form.crack * -0.65 + 1.0)
     }
 
     #[inline(always)]
-    fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
+    fn floor_color<S: Simd>(&self, form: &Form<S>, tone: &Tone<S>) -> Color<S> {
+        let colors = &self.colors;
         let light = tone.ground(form);
-        let ash = ramp(light.step(-0.5, 0.6), [0.023, 0.021, 0.020], [0.112, 0.097, 0.085]);
-        let stone = ramp(tone.stone(form), [0.027, 0.026, 0.026], [0.175, 0.153, 0.134]);
+        let ash = ramp(light.step(-0.5, 0.6), colors.ash_dark, colors.ash_pale);
+        let stone = ramp(tone.stone(form), colors.stone_dark, colors.stone_pale);
         let dusty = form.dust() * 0.6;
         ash.under(stone.under(ash, dusty), form.stone)
     }

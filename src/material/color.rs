@@ -6,13 +6,39 @@ use super::site::{Footprint, Site};
 use crate::noise::{Real, Value, Vec3, inlined, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A constant colour: linear red, green and blue, each 0–1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct Rgb(#[schemars(inner(range(min = 0.0, max = 1.0)))] pub [f32; 3]);
+
+/// The colours of a rock as settings, each with its default. Defaults are tuned by eye.
+macro_rules! palette {
+    ($(#[$about:meta])* $name:ident { $($(#[$meaning:meta])* $key:ident: $default:expr,)* }) => {
+        $(#[$about])*
+        #[derive(Clone, Debug, PartialEq, ::serde::Serialize, ::serde::Deserialize, ::schemars::JsonSchema)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $name {
+            $($(#[$meaning])* pub $key: $crate::material::Rgb,)*
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($key: $crate::material::Rgb($default),)* }
+            }
+        }
+    };
+}
+pub(super) use palette;
 
 /// A colour per lane.
 pub type Color<S> = Vec3<Value<S>>;
 
 /// Interpolates from one colour at 0 to another at 1.
 #[inline(always)]
-pub fn ramp<S: Simd>(t: Value<S>, low: [f32; 3], high: [f32; 3]) -> Color<S> {
+pub fn ramp<S: Simd>(t: Value<S>, Rgb(low): Rgb, Rgb(high): Rgb) -> Color<S> {
     vec3(t * (high[0] - low[0]) + low[0], t * (high[1] - low[1]) + low[1], t * (high[2] - low[2]) + low[2])
 }
 
@@ -25,7 +51,7 @@ impl<S: Simd> Color<S> {
 
     /// Covers it with a constant colour, from 0 (not) to 1 (fully).
     #[inline(always)]
-    pub fn tinted(self, tint: [f32; 3], share: Value<S>) -> Self {
+    pub fn tinted(self, Rgb(tint): Rgb, share: Value<S>) -> Self {
         let simd = share.0.token();
         let channel = inlined!(|i: usize| Value::splat(simd, tint[i]));
         self.under(vec3(channel(0), channel(1), channel(2)), share)
@@ -58,8 +84,9 @@ impl Shades {
         let simd = site.simd();
         let tone = Tone::of(form, site, footprint);
         let light = (tone.broad + tone.fine * 0.5).step(-0.7, 0.8);
-        let wall = ramp(light, self.wall[0], self.wall[1]).lit(form.crack * -0.6 + 1.0);
-        let color = wall.under(ramp(light, self.floor[0], self.floor[1]), form.floor).lit(tone.shade(form));
+        let ([wall_dark, wall_pale], [floor_dark, floor_pale]) = (self.wall.map(Rgb), self.floor.map(Rgb));
+        let wall = ramp(light, wall_dark, wall_pale).lit(form.crack * -0.6 + 1.0);
+        let color = wall.under(ramp(light, floor_dark, floor_pale), form.floor).lit(tone.shade(form));
         let film = tone.film(form, look, Value::zero(simd));
         Paint {
             color: color.lit(film * -0.45 + 1.0),

@@ -6,6 +6,10 @@
 //!
 //! Not promised: holes follow the floor and the middle of the roof, not a drilling plan.
 
+mod colors;
+
+pub use colors::DrilledColors;
+
 use super::coarse::{Coarse, MARKS};
 use super::color::{Color, Tone, ramp};
 use super::floor::Debris;
@@ -46,6 +50,8 @@ pub struct Drilled {
     /// Density of muck on the floor: −0.5 clear, 0.5 covered.
     #[schemars(range(min = -0.5, max = 0.5))]
     pub rubble: f32,
+    /// Its colours, as linear red, green and blue, each 0 to 1. Of granite, ore and coal, those of the chosen lithology are used.
+    pub colors: DrilledColors,
 }
 
 /// The rock of a mine.
@@ -71,6 +77,7 @@ impl Default for Drilled {
             joint_azimuth_deg: 35.0,
             hole_m: 0.8,
             rubble: -0.05,
+            colors: DrilledColors::default(),
         }
     }
 }
@@ -196,13 +203,13 @@ impl Rock for Drilled {
         let rust = (tone.streak + tone.fine * 0.5 + rust * 0.6).step(0.45, 0.85);
         let lime = (lime + tone.fine * 0.4 - form.cavity * 0.2).step(0.50, 0.80);
         let wall = rock
-            .tinted([0.190, 0.085, 0.032], rust * tone.side * (0.45 * look.stain))
-            .tinted([0.430, 0.410, 0.375], lime * tone.side * (0.35 * look.stain))
+            .tinted(self.colors.rust, rust * tone.side * (0.45 * look.stain))
+            .tinted(self.colors.lime, lime * tone.side * (0.35 * look.stain))
             .lit(form.crack * -0.45 + 1.0);
         // Dust of drilling and blasting settles on ledges.
         let dust = form.upward.step(0.45, 0.9) * (tone.broad * 0.3 + 0.5);
-        let wall = wall.under(Self::fines(form, &tone, rock), dust);
-        let color = wall.under(Self::muck(form, &tone, rock), form.floor).lit(tone.shade(form));
+        let wall = wall.under(self.fines(form, &tone, rock), dust);
+        let color = wall.under(self.muck(form, &tone, rock), form.floor).lit(tone.shade(form));
         let film = tone.film(form, look, form.floor * 0.15);
         let dry = tone.dry_roughness(form, Value::splat(site.simd(), self.mean_roughness()));
         Paint {
@@ -233,6 +240,7 @@ impl Drilled {
         tone: &Tone<S>,
     ) -> Color<S> {
         let (p, n) = (form.point, site.source);
+        let colors = &self.colors;
         let light = tone.broad * 0.10 + tone.fine * 0.40;
         let [_, _, _, _, _, _, _, vein, other, _] = form.marks;
         // Muck is mixed, so no vein runs through it.
@@ -243,40 +251,40 @@ impl Drilled {
                 let pale = crystals.step(0.08, 0.30) * 0.36;
                 let dark = (-crystals).step(0.14, 0.36) * 0.46;
                 let vein = footprint.line(vein, 0.05) * whole;
-                ramp(light.step(-0.8, 0.8), [0.130, 0.128, 0.124], [0.300, 0.285, 0.270])
-                    .tinted([0.420, 0.370, 0.335], pale)
-                    .tinted([0.045, 0.043, 0.042], dark)
-                    .tinted([0.470, 0.440, 0.410], vein * 0.8)
+                ramp(light.step(-0.8, 0.8), colors.granite_dark, colors.granite_pale)
+                    .tinted(colors.granite_feldspar, pale)
+                    .tinted(colors.granite_mica, dark)
+                    .tinted(colors.granite_vein, vein * 0.8)
             }
             Lithology::Ore => {
                 let quartz = footprint.line(vein, 0.08) * whole;
                 let sulphide = (other + quartz * 0.5 + tone.fine * 0.5).step(0.35, 0.60);
-                ramp(light.step(-0.8, 0.8), [0.060, 0.060, 0.062], [0.165, 0.160, 0.158])
-                    .tinted([0.260, 0.150, 0.055], sulphide * 0.65)
-                    .tinted([0.540, 0.520, 0.490], quartz * 0.85)
+                ramp(light.step(-0.8, 0.8), colors.ore_dark, colors.ore_pale)
+                    .tinted(colors.ore_sulphide, sulphide * 0.65)
+                    .tinted(colors.ore_quartz, quartz * 0.85)
             }
             Lithology::Coal => {
                 let (index, _) = vein.split();
                 let mudstone = level_lot::<S, Value<S>>(index, n.layer(75)).step(0.70, 0.72);
                 let bright = n.noise(76, p.stretched(1.5, 1.5, 30.0)) * footprint.keep(0.033);
-                ramp((light + bright * 0.8).step(-0.8, 0.8), [0.012, 0.012, 0.013], [0.048, 0.047, 0.047])
-                    .under(ramp(light.step(-0.8, 0.8), [0.085, 0.080, 0.074], [0.185, 0.172, 0.158]), mudstone)
+                let coal = ramp((light + bright * 0.8).step(-0.8, 0.8), colors.coal_dark, colors.coal_pale);
+                coal.under(ramp(light.step(-0.8, 0.8), colors.mudstone_dark, colors.mudstone_pale), mudstone)
             }
         }
     }
 
     /// Dust and mud: rock ground fine, lighter where it is dry.
     #[inline(always)]
-    fn fines<S: Simd>(form: &Form<S>, tone: &Tone<S>, rock: Color<S>) -> Color<S> {
+    fn fines<S: Simd>(&self, form: &Form<S>, tone: &Tone<S>, rock: Color<S>) -> Color<S> {
         let light = tone.ground(form);
-        let ground = ramp(light.step(-0.7, 0.8), [0.062, 0.055, 0.048], [0.160, 0.146, 0.130]);
+        let ground = ramp(light.step(-0.7, 0.8), self.colors.fines_dark, self.colors.fines_pale);
         ground.under(rock, Value::splat(form.relief.0.token(), 0.35))
     }
 
     /// Muck: broken rock between fines.
     #[inline(always)]
-    fn muck<S: Simd>(form: &Form<S>, tone: &Tone<S>, rock: Color<S>) -> Color<S> {
-        let fines = Self::fines(form, tone, rock);
+    fn muck<S: Simd>(&self, form: &Form<S>, tone: &Tone<S>, rock: Color<S>) -> Color<S> {
+        let fines = self.fines(form, tone, rock);
         let stone = rock.lit(form.tint * 1.2 + 0.50);
         let dusty = form.dust() * 0.4;
         fines.under(stone.under(fines, dusty), form.stone)

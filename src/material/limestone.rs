@@ -3,6 +3,10 @@
 //! First state: bedded rock, stepped along one dip through the whole cave, with solution pockets, joints and scallops
 //! (Curl 1974). Second state: flowstone, draped by gravity. The floor is mud with puddles and embedded cobbles.
 
+mod colors;
+
+pub use colors::LimestoneColors;
+
 use super::coarse::{Coarse, MARKS};
 use super::color::{Color, Tone, ramp};
 use super::floor::Debris;
@@ -44,6 +48,8 @@ pub struct Limestone {
     /// Density of stones on the floor: −0.5 clear, 0.5 covered.
     #[schemars(range(min = -0.5, max = 0.5))]
     pub rubble: f32,
+    /// Its colours, as linear red, green and blue, each 0 to 1.
+    pub colors: LimestoneColors,
 }
 
 impl Default for Limestone {
@@ -57,6 +63,7 @@ impl Default for Limestone {
             dip_azimuth_deg: 328.0,
             joint_azimuth_deg: 60.0,
             rubble: -0.05,
+            colors: LimestoneColors::default(),
         }
     }
 }
@@ -303,8 +310,8 @@ impl Rock for Limestone {
     #[inline(always)]
     fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S> {
         let tone = Tone::of(form, site, footprint);
-        let wall = Self::wall_color(form, site, look, &tone);
-        let color = wall.under(Self::floor_color(form, &tone), form.floor);
+        let wall = self.wall_color(form, site, look, &tone);
+        let color = wall.under(self.floor_color(form, &tone), form.floor);
         let color = color.lit(tone.shade(form));
         let level = tone.patch * 0.06 + (look.humidity * 0.12 - 0.09) - form.height;
         let damp = (level + 0.05).step(0.0, 0.06) * form.floor;
@@ -326,12 +333,13 @@ impl Rock for Limestone {
 
 impl Limestone {
     #[inline(always)]
-    fn wall_color<S: Simd>(form: &Form<S>, site: &Site<Value<S>>, look: &Look, tone: &Tone<S>) -> Color<S> {
+    fn wall_color<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, tone: &Tone<S>) -> Color<S> {
+        let colors = &self.colors;
         let (p, n) = (form.point, site.source);
         let side = tone.side;
         // Each bed has its own grey; broad patches only vary it.
         let shade = (form.band - 0.5) * -1.2 + tone.fine * 0.82 + tone.broad * 0.15 - form.cavity * 0.30;
-        let rock = ramp(shade.step(-0.7, 0.75), [0.140, 0.120, 0.095], [0.370, 0.326, 0.260]);
+        let rock = ramp(shade.step(-0.7, 0.75), colors.bed_dark, colors.bed_pale);
         let marl = form.band.step(0.60, 0.80) * 0.7;
         let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.38, 0.66) * side;
         let [_, _, _, _, curtain, calcite, ..] = form.marks;
@@ -340,35 +348,33 @@ impl Limestone {
         let tide = (tone.broad * 0.25 + tone.fine * 0.18 + 0.75 - form.height).step(0.0, 0.06);
         let mut color = rock
             .under(rock.lit(Value::splat(site.simd(), 0.58)), marl)
-            .tinted([0.300, 0.165, 0.065], iron * (0.70 * look.stain))
-            .tinted([0.070, 0.062, 0.055], manganese * (0.56 * look.stain))
-            .tinted([0.520, 0.475, 0.390], calcite * (0.45 * look.stain));
+            .tinted(colors.iron, iron * (0.70 * look.stain))
+            .tinted(colors.manganese, manganese * (0.56 * look.stain))
+            .tinted(colors.calcite, calcite * (0.45 * look.stain));
         let clayey = tone.patch.step(0.0, 0.3) * (-form.state + 1.0);
         if clayey.0.simd_gt(0.0).any_true() {
             // Clay that a film of water drew together into spots and worms as it dried (vermiculations).
             let spots = (n.noise(69, p.scaled(1.0 / 0.09)) + form.relief * 0.15).step(0.12, 0.24);
-            color = color.tinted([0.120, 0.085, 0.056], spots * clayey * (0.76 * look.stain));
+            color = color.tinted(colors.clay, spots * clayey * (0.76 * look.stain));
         }
         let flow = (form.state + tone.fine * 0.12).step(0.22, 0.45) * 0.9;
         if flow.0.simd_gt(0.0).any_true() {
             let banding = tone.streak + n.noise(68, p.stretched(11.0, 11.0, 1.2)) * 0.3;
-            let flowstone = ramp(banding.step(-0.1, 0.7), [0.470, 0.395, 0.285], [0.370, 0.245, 0.125]);
+            let flowstone = ramp(banding.step(-0.1, 0.7), colors.flowstone_pale, colors.flowstone_dark);
             color = color.under(flowstone, flow);
         }
         color
             .lit(form.crack * -0.55 + 1.0)
-            .tinted(
-                [0.200, 0.145, 0.090],
-                (form.upward + tone.fine * 0.20).step(0.66, 0.90) * (form.relief * 0.35 + 0.5),
-            )
-            .tinted([0.135, 0.092, 0.056], tide * (form.relief * 0.35 + 0.62))
+            .tinted(colors.silt, (form.upward + tone.fine * 0.20).step(0.66, 0.90) * (form.relief * 0.35 + 0.5))
+            .tinted(colors.flood_mud, tide * (form.relief * 0.35 + 0.62))
     }
 
     #[inline(always)]
-    fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
+    fn floor_color<S: Simd>(&self, form: &Form<S>, tone: &Tone<S>) -> Color<S> {
+        let colors = &self.colors;
         let light = tone.ground(form);
-        let mud = ramp(light.step(-0.7, 0.8), [0.075, 0.053, 0.035], [0.225, 0.170, 0.118]);
-        let stone = ramp(tone.stone(form), [0.085, 0.071, 0.055], [0.385, 0.331, 0.260]);
+        let mud = ramp(light.step(-0.7, 0.8), colors.mud_dark, colors.mud_pale);
+        let stone = ramp(tone.stone(form), colors.stone_dark, colors.stone_pale);
         let dusty = form.dust() * 0.65;
         mud.under(stone.under(mud, dusty), form.stone)
     }

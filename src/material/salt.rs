@@ -7,6 +7,10 @@
 //!
 //! Not promised: bites follow a pattern in plan, not the path of a machine.
 
+mod colors;
+
+pub use colors::SaltColors;
+
 use super::coarse::{Coarse, MARKS};
 use super::color::{Color, Tone, ramp};
 use super::floor::Debris;
@@ -48,6 +52,8 @@ pub struct Salt {
     /// Density of lumps on the floor: −0.5 clear, 0.5 covered.
     #[schemars(range(min = -0.5, max = 0.5))]
     pub rubble: f32,
+    /// Its colours, as linear red, green and blue, each 0 to 1.
+    pub colors: SaltColors,
 }
 
 impl Default for Salt {
@@ -61,6 +67,7 @@ impl Default for Salt {
             band_m: 0.22,
             fold: 0.7,
             rubble: -0.12,
+            colors: SaltColors::default(),
         }
     }
 }
@@ -166,9 +173,9 @@ impl Rock for Salt {
         let [_, crust, ..] = form.marks;
         let crust = (crust + tone.streak * 0.3 + tone.fine * 0.4 + form.relief * 0.2).step(0.48, 0.62);
         let wall = banded
-            .tinted([0.660, 0.640, 0.610], crust * (0.75 * look.stain))
-            .under(Self::crushed(form, &tone), form.upward.step(0.5, 0.9) * 0.6);
-        let color = wall.under(Self::floor_color(form, &tone), form.floor).lit(tone.shade(form));
+            .tinted(self.colors.crust, crust * (0.75 * look.stain))
+            .under(self.crushed(form, &tone), form.upward.step(0.5, 0.9) * 0.6);
+        let color = wall.under(self.floor_color(form, &tone), form.floor).lit(tone.shade(form));
         let film = tone.film(form, look, form.floor * 0.3);
         // Crystals that are cleft glisten, powder does not.
         let mean = form.state * -0.12 + crystal * 0.14 + crust * 0.12 + 0.70;
@@ -199,22 +206,22 @@ impl Salt {
         let light = lot(72) + laminae * 0.45 + tone.fine * 0.20;
         let orange = (lot(74) + laminae * 0.25 + tone.broad * 0.08).step(0.66, 1.0);
         let line = footprint.line(rest * self.band_m - 0.02, 0.012) * (lot(75) + tone.broad * 0.1).step(0.45, 0.55);
-        ramp(light.step(0.0, 1.0), [0.255, 0.248, 0.240], [0.590, 0.570, 0.540])
-            .tinted([0.430, 0.245, 0.140], orange * 0.70)
-            .tinted([0.105, 0.100, 0.095], line * 0.8)
+        ramp(light.step(0.0, 1.0), self.colors.band_dark, self.colors.band_pale)
+            .tinted(self.colors.iron_band, orange * 0.70)
+            .tinted(self.colors.clay_seam, line * 0.8)
     }
 
     /// Salt crushed fine: dust on ledges and on the floor.
     #[inline(always)]
-    fn crushed<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        ramp(tone.ground(form).step(-0.7, 0.8), [0.210, 0.199, 0.185], [0.480, 0.460, 0.430])
+    fn crushed<S: Simd>(&self, form: &Form<S>, tone: &Tone<S>) -> Color<S> {
+        ramp(tone.ground(form).step(-0.7, 0.8), self.colors.crushed_dark, self.colors.crushed_pale)
     }
 
     /// Lumps between crushed salt.
     #[inline(always)]
-    fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        let crushed = Self::crushed(form, tone);
-        let lump = ramp(tone.stone(form), [0.170, 0.145, 0.118], [0.680, 0.660, 0.630]);
+    fn floor_color<S: Simd>(&self, form: &Form<S>, tone: &Tone<S>) -> Color<S> {
+        let crushed = self.crushed(form, tone);
+        let lump = ramp(tone.stone(form), self.colors.lump_dark, self.colors.lump_pale);
         let dusty = form.dust() * 0.6;
         crushed.under(lump.under(crushed, dusty), form.stone)
     }

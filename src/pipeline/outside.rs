@@ -1,12 +1,13 @@
 //! Access to files and programs for generators and readers.
 
+use std::collections::BTreeSet;
 use std::io;
 use std::path::{Component, Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
 
 use plume_disk::regular;
 
-use super::{PipelineError, program};
+use super::{Observer, PipelineError, program};
 use plume_graph::{Outside, RunError, Task};
 use plume_survey::{Import, Parts};
 
@@ -17,13 +18,11 @@ pub struct Disk {
     pub allows_outside_files: bool,
 }
 
-/// Access to files, and to programs that run until `stop` is set.
-#[derive(Clone, Copy, Debug)]
+/// What an observer allows: access to files, and to programs until it asks to stop. It is told of warnings, of each once.
 pub struct Machine<'a> {
-    /// The disk.
-    pub disk: Disk,
-    /// Set to stop a program that runs.
-    pub stop: &'a AtomicBool,
+    disk: Disk,
+    observer: &'a dyn Observer,
+    told: Mutex<BTreeSet<String>>,
 }
 
 /// Most bytes of a graph or survey.
@@ -36,6 +35,14 @@ impl Disk {
     /// If it cannot be read or is not a graph.
     pub fn graph(&self, path: &Path, parts: Parts) -> Result<Import, PipelineError> {
         Ok(plume_survey::read(path, parts, self)?)
+    }
+}
+
+impl<'a> Machine<'a> {
+    /// What this observer allows.
+    pub fn new(observer: &'a dyn Observer) -> Self {
+        let disk = Disk { allows_outside_files: observer.allows_outside_files() };
+        Self { disk, observer, told: Mutex::default() }
     }
 }
 
@@ -92,7 +99,17 @@ impl Outside for Machine<'_> {
         self.disk.allows_outside_files
     }
 
+    fn warn(&self, warning: &str) {
+        // The realism gate reads a file once per attempt.
+        if self.told.lock().unwrap_or_else(PoisonError::into_inner).insert(warning.to_owned()) {
+            self.observer.warn(warning);
+        }
+    }
+
     fn run(&self, task: &Task) -> Result<Vec<u8>, RunError> {
-        program::run(task, self.stop)
+        match self.observer.allows_programs() {
+            true => program::run(task, self.observer.stop()),
+            false => self.disk.run(task),
+        }
     }
 }

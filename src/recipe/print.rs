@@ -19,19 +19,27 @@ pub fn commented(schema: &Value, value: &Value) -> String {
         entry(&mut out, key, schema, &value[key.as_str()]);
     }
     for (section, schema) in sections {
+        out.push('\n');
         table(&mut out, &format!("[{section}]"), section, schema, &value[section.as_str()]);
     }
     out
 }
 
-/// A section: its own keys, then its lists of sections.
+/// A section: its own keys, the sections in it, then its lists of sections.
 fn table(out: &mut String, heading: &str, path: &str, schema: &Value, value: &Value) {
-    let _ = writeln!(out, "\n{heading}");
+    let _ = writeln!(out, "{heading}");
     let properties = chosen(schema, value)["properties"].as_object();
-    let (lists, keys): (Vec<_>, Vec<_>) =
+    let (lists, others): (Vec<_>, Vec<_>) =
         properties.into_iter().flatten().partition(|(_, schema)| is_list_of_sections(schema));
+    let (sections, keys): (Vec<_>, Vec<_>) = others.into_iter().partition(|(_, schema)| is_section(schema));
     for (key, schema) in keys {
         entry(out, key, schema, &value[key.as_str()]);
+    }
+    for (key, schema) in sections {
+        let path = format!("{path}.{key}");
+        out.push('\n');
+        comment(out, &about(schema));
+        table(out, &format!("[{path}]"), &path, schema, &value[key.as_str()]);
     }
     for (key, schema) in lists {
         let (path, items) = (format!("{path}.{key}"), value[key.as_str()].as_array().map_or(&[][..], Vec::as_slice));
@@ -41,9 +49,14 @@ fn table(out: &mut String, heading: &str, path: &str, schema: &Value, value: &Va
             let _ = writeln!(out, "# [[{path}]]");
         }
         for item in items {
+            out.push('\n');
             table(out, &format!("[[{path}]]"), &path, &schema["items"], item);
         }
     }
+}
+
+fn is_section(schema: &Value) -> bool {
+    schema["properties"].is_object()
 }
 
 fn is_list_of_sections(schema: &Value) -> bool {
@@ -77,7 +90,7 @@ fn about(schema: &Value) -> String {
         (None, None) => Ok(()),
     }
     .expect("writing to a string cannot fail");
-    if let Some(default) = literal(&schema["default"]).filter(|_| !is_list_of_sections(schema)) {
+    if let Some(default) = literal(&schema["default"]).filter(|_| !is_section(schema) && !is_list_of_sections(schema)) {
         let _ = write!(text, " Default {default}.");
     }
     text

@@ -459,6 +459,37 @@ fn tints_multiply_colours() {
     }
 }
 
+/// Every colour of a rock that is a setting shows somewhere, and changes nothing but colours.
+#[test]
+fn colors_of_a_rock_change_colours_only() {
+    for row in MATERIALS.iter() {
+        let schema = (row.schema)().to_value();
+        let lithologies = || schema["properties"]["lithology"]["oneOf"].as_array().into_iter().flatten();
+        for key in schema["properties"]["colors"]["properties"].as_object().into_iter().flatten().map(|(key, _)| key) {
+            let of = |words: &Value| words["const"].as_str().filter(|name| key.starts_with(name)).map(str::to_owned);
+            let lithology =
+                lithologies().find_map(of).or_else(|| key.starts_with("mudstone").then(|| "coal".to_owned()));
+            let settings = lithology.map_or(json!({}), |lithology| json!({"lithology": lithology}));
+            let painted = |rock: Value| {
+                let rock = (row.read)(rock).expect("the settings are valid");
+                CaveField::new(&graph(), &PassageSettings::default(), rock, Look::default(), 7)
+            };
+            let plain = painted(settings.clone());
+            let mut settings = settings;
+            settings["colors"] = json!({key: [1.0, 0.0, 1.0]});
+            let magenta = painted(settings);
+            let points = near_wall(&plain, 6000);
+            assert_eq!(plain.distances_at(&points), magenta.distances_at(&points), "{}: {key}", row.name);
+            let [before, after] = [plain, magenta].map(|field| texels(&field, around(&points), &points));
+            assert_ne!(before, after, "{}: {key}", row.name);
+            for (before, mut after) in before.into_iter().zip(after) {
+                after.color = before.color;
+                assert_eq!(before, after, "{}: {key}", row.name);
+            }
+        }
+    }
+}
+
 /// A tile of one value.
 fn tile(value: [u8; 3], tile: Tile) -> Image {
     let mut png = Cursor::new(Vec::new());

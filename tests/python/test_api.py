@@ -287,6 +287,18 @@ def test_a_program_lays_out_a_cave_if_it_may(tmp_path: Path) -> None:
         assert np.ptp(cave.graph.positions[:, 0]) == 8
 
 
+def test_a_survey_keeps_its_names_and_warns_of_doubtful_readings(tmp_path: Path) -> None:
+    survey = tmp_path / "cave.svx"
+    survey.write_text("*cs EPSG:32633\n*cs out EPSG:32633\n*fix a 500000 5300000 800\na b 6 090 0\nb c 6 400 0\n")
+    recipe = {**SMALL, "graph": {"generator": "file", "path": str(survey)}}
+    with pytest.warns(UserWarning, match=r"cave.svx:5: the compass reading 400"), plume.generate(recipe) as cave:
+        assert sorted(str(name) for name in cave.graph.names) == ["a", "b", "c"]
+        georeference = cave.graph.georeference
+        assert georeference is not None
+        (east, north, up), system = georeference
+        assert (system, up) == ("EPSG:32633", 800.0) and east != 0 and north != 0
+
+
 def test_a_failed_cave_leaves_no_temporary_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     with pytest.raises(plume.InputError):

@@ -106,14 +106,16 @@ fn only_the_images_follow_the_look() {
     let desk = Desk::new();
     desk.make(&["generate", "--output", "cave"]);
     let before = desk.hashes("cave");
-    desk.make(&["generate", "--output", "cave", "--set", "look.humidity=0.9", "--force"]);
     let changed = |start: &str| {
         let part = |hashes: &[(String, String)]| -> Vec<(String, String)> {
             hashes.iter().filter(|(path, _)| path.starts_with(start)).cloned().collect()
         };
         part(&before) != part(&desk.hashes("cave"))
     };
-    assert!(changed("textures") && !changed("chunks") && !changed("collision"));
+    for set in ["look.humidity=0.9", "rock.colors.bed_pale=[0.5, 0.2, 0.1]"] {
+        desk.make(&["generate", "--output", "cave", "--set", set, "--force"]);
+        assert!(changed("textures") && !changed("chunks") && !changed("collision"), "{set}");
+    }
 }
 
 #[test]

@@ -69,11 +69,13 @@ fn table(keys: &Map<String, Value>, of: &Value) -> String {
     format!("| key | meaning | range | default |\n|---|---|---|---|\n{rows}")
 }
 
-/// The row of a key, and those of the tables that it lists.
+/// The row of a key, and those of the table that it is or of the tables that it lists.
 fn rows(key: &str, value: &Value, of: &Value) -> Vec<String> {
     let cells = [format!("`{key}`"), one_line(&value["description"]), range(value), default(value)];
-    let inner = value["items"]["properties"].as_object().into_iter().flatten();
-    let inner = inner.flat_map(|(inner, value)| rows(&format!("{key}[].{inner}"), &resolved(value, of), of));
+    let inner = [("", value), ("[]", &value["items"])].into_iter().flat_map(|(suffix, table)| {
+        let keys = table["properties"].as_object().into_iter().flatten();
+        keys.flat_map(move |(inner, value)| rows(&format!("{key}{suffix}.{inner}"), &resolved(value, of), of))
+    });
     std::iter::once(format!("| {} |\n", cells.join(" | "))).chain(inner).collect()
 }
 
@@ -130,6 +132,7 @@ fn default(value: &Value) -> String {
     match value.get("default") {
         None => "required".to_owned(),
         Some(Value::Null) => "none".to_owned(),
+        Some(Value::Object(_)) => "as below".to_owned(),
         Some(Value::Array(tables)) if tables.iter().any(Value::is_object) => format!("{} tables", tables.len()),
         Some(value) => code(value),
     }
@@ -160,7 +163,10 @@ mod tests {
             ]},
             "mesh": {"properties": {"chunk_m": {
                 "type": "array", "items": {"type": "number", "minimum": 1.0, "maximum": 2.5}, "minItems": 3, "maxItems": 3
-            }}}
+            }}},
+            "pieces": {"properties": {"of": {"type": "object", "description": "Inner.", "default": {"n": 1}, "properties": {
+                "n": {"type": "integer", "minimum": 1, "maximum": 3, "default": 1}
+            }}}}
         }}"##;
         let tables = tables(schema).expect("the schema is one");
         let rows: Vec<&str> = tables.lines().filter(|line| line.starts_with("| `") || line.starts_with('#')).collect();
@@ -174,6 +180,9 @@ mod tests {
                 r#"| `bands` | How. | `"a\|b"`, `"c"` | `"a\|b"` |"#,
                 "### `[mesh]`",
                 "| `chunk_m` |  | 3 numbers, each 1 to 2.5 | required |",
+                "### `[pieces]`",
+                "| `of` | Inner. | a table | as below |",
+                "| `of.n` |  | 1 to 3 | `1` |",
             ]
         );
     }
