@@ -32,18 +32,13 @@
 //! command line and the Python package and change without notice.
 
 pub mod cave;
-pub mod field;
-pub mod material;
 pub mod mesh;
-pub mod noise;
 pub mod recipe;
 
 #[doc(hidden)]
 pub mod assemble;
 #[doc(hidden)]
 pub mod model;
-#[doc(hidden)]
-pub mod picture;
 #[doc(hidden)]
 pub mod pipeline;
 #[doc(hidden)]
@@ -52,7 +47,6 @@ pub mod placement;
 pub mod preset;
 #[doc(hidden)]
 pub mod preview;
-mod srgb;
 #[doc(hidden)]
 pub mod store;
 #[doc(hidden)]
@@ -65,6 +59,10 @@ pub use plume_exporters as exporters;
 pub use plume_generators as generators;
 pub use plume_graph as graph;
 pub use plume_registry as registry;
+#[doc(hidden)]
+pub use plume_rock::picture;
+use plume_rock::srgb;
+pub use plume_rock::{field, material, noise};
 pub use plume_survey as survey;
 pub use plume_truth as truth;
 

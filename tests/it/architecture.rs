@@ -8,7 +8,10 @@ use plume::survey::FORMATS;
 use syn::visit::{self, Visit};
 use syn::{ItemMod, ItemUse, UseTree};
 
-/// Modules of `src`, and the modules that each may name. A module may always name itself.
+/// Folders whose modules these are: the root crate, which re-exports those of the rock.
+const FOLDERS: [&str; 2] = ["src", "rock"];
+
+/// Modules, and the modules that each may name. A module may always name itself.
 const ARROWS: &[(&str, &[&str])] = &[
     ("noise", &[]),
     ("srgb", &[]),
@@ -40,9 +43,9 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// The path of the module that a source below `src` holds.
+/// The path of the module that a source below one of [`FOLDERS`] holds.
 fn module_path(file: &Path) -> Vec<String> {
-    let below = file.strip_prefix("src").unwrap().with_extension("");
+    let below = file.iter().skip(1).collect::<PathBuf>().with_extension("");
     let path = below.iter().map(|part| part.to_string_lossy().into_owned());
     path.filter(|part| part != "lib").collect()
 }
@@ -141,7 +144,7 @@ fn every_way_to_name_a_module_is_seen() {
 
 #[test]
 fn dependencies_point_one_way() {
-    for file in sources(Path::new("src")) {
+    for file in FOLDERS.into_iter().flat_map(|folder| sources(Path::new(folder))) {
         let path = module_path(&file);
         let Some(module) = path.first().cloned() else { continue };
         let (_, allowed) = ARROWS.iter().find(|(name, _)| *name == module).expect(&module);
@@ -167,7 +170,7 @@ fn only_assemble_and_those_above_it_know_exporters() {
 
 #[test]
 fn only_the_command_line_prints() {
-    let crates = ["src", "graph", "survey", "generators", "disk", "exporters", "record"];
+    let crates = ["src", "graph", "survey", "generators", "disk", "exporters", "record", "rock"];
     for file in crates.into_iter().flat_map(|folder| sources(Path::new(folder))) {
         let is_library = !file.iter().any(|part| part == "tests" || part == "examples");
         let text = fs::read_to_string(&file).unwrap();
@@ -180,7 +183,7 @@ fn only_the_command_line_prints() {
 fn every_file_of_a_table_has_its_row() {
     let tables = [
         ("generators", "Generator", "generators/lib.rs"),
-        ("src/material", "Rock", "src/material.rs"),
+        ("rock/material", "Rock", "rock/material.rs"),
         ("exporters/targets", "Target", "exporters/lib.rs"),
     ];
     for (folder, contract, table) in tables {

@@ -10,7 +10,7 @@ const STEP_M: f32 = 1.0 / 64.0;
 /// One evaluation per point, and six per normal. Not promised: exact normals; they are central differences.
 ///
 /// ```
-/// use plume::field::{Aabb, Analytic, Field, Region};
+/// use plume_rock::field::{Aabb, Analytic, Field, Region};
 ///
 /// let ball = Analytic::new(1.0, |[x, y, z]: [f32; 3]| (x * x + y * y + z * z).sqrt() - 5.0);
 /// let near = Aabb { min: [-1.0; 3], max: [1.0; 3] };

@@ -9,7 +9,7 @@
 //! a headlamp.
 //!
 //! ```
-//! use plume::material::MATERIALS;
+//! use plume_rock::material::MATERIALS;
 //!
 //! let basalt = MATERIALS.find("basalt").ok_or("no such rock")?;
 //! let rock = (basalt.read)(serde_json::json!({"relief": 0.5}))?;
@@ -42,10 +42,12 @@ pub use floor::{Debris, Sediment};
 pub use limestone::{Limestone, LimestoneColors};
 pub use look::Look;
 pub use rock::{Detail, Floor, Form, JUMP_M, PROTRUSION, Paint, RECESS_M, Rock, STEEPEST, Wall};
-pub(crate) use roughness::roughness;
+#[doc(hidden)]
+pub use roughness::roughness;
 pub use rubble::Rubble;
 pub use salt::{Salt, SaltColors};
-pub(crate) use site::by_axis;
+#[doc(hidden)]
+pub use site::by_axis;
 pub use site::{BLOCK, Channel, Footprint, Ground, Site, Sites, Stored, SurfaceSamples};
 
 use std::sync::Arc;

@@ -109,7 +109,7 @@ impl Sites {
 }
 
 /// Coordinates of a block of points; padding repeats the last.
-pub(crate) fn by_axis(points: &[[f32; 3]]) -> [[f32; BLOCK]; 3] {
+pub fn by_axis(points: &[[f32; 3]]) -> [[f32; BLOCK]; 3] {
     let last = points.len() - 1;
     std::array::from_fn(|axis| std::array::from_fn(|lane| points[lane.min(last)][axis]))
 }

@@ -6,7 +6,7 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
 /// Noise of this wavelength at points, about ±1.
-pub(crate) fn roughness(source: Source, points: &[[f32; 3]], wavelength_m: f32) -> Vec<f32> {
+pub fn roughness(source: Source, points: &[[f32; 3]], wavelength_m: f32) -> Vec<f32> {
     let mut out = vec![0.0; points.len()];
     for (points, out) in points.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
         let columns = by_axis(points);

@@ -4,7 +4,7 @@
 //! bit, whatever the batch or the bounds.
 //!
 //! ```
-//! use plume::field::{Aabb, Analytic, Field};
+//! use plume_rock::field::{Aabb, Analytic, Field};
 //!
 //! // The air inside a ball with a radius of 2 m.
 //! let ball = Analytic::new(1.0, |[x, y, z]: [f32; 3]| (x * x + y * y + z * z).sqrt() - 2.0);

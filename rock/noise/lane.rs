@@ -124,7 +124,7 @@ pub trait Real<S: Simd>:
 }
 
 /// [`Real::step`] of a number by itself.
-pub(crate) fn smooth_step([from, to]: [f64; 2], x: f64) -> f64 {
+pub fn smooth_step([from, to]: [f64; 2], x: f64) -> f64 {
     let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }

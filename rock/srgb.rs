@@ -25,6 +25,7 @@ impl SrgbTable {
     }
 
     /// The code of a linear value, clamped to 0–1.
+    #[inline]
     pub fn encode(&self, value: f32) -> u8 {
         let value = value.clamp(0.0, 1.0);
         let code = self.codes[(value * BUCKETS as f32) as usize];

@@ -8,7 +8,7 @@
 //! origin, where `f32` no longer resolves the finest grain.
 //!
 //! ```
-//! use plume::noise::{Real, Simd, Source, Vec3};
+//! use plume_rock::noise::{Real, Simd, Source, Vec3};
 //!
 //! /// Hills of 2 m with a wavelength of 10 m: as values, or as values with gradients.
 //! fn hills<S: Simd, T: Real<S>>(source: Source, at: Vec3<T>) -> T {
@@ -25,23 +25,25 @@ macro_rules! inlined {
 pub(crate) use inlined;
 
 /// Evaluates an expression with the vectors of [`level`]. Only widths worth their compile time are instantiated.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! dispatched {
     ($simd:ident => $expression:expr) => {{
         let level = $crate::noise::level();
         #[cfg(target_arch = "x86_64")]
         if let Some($simd) = level.as_avx512() {
-            fearless_simd::Simd::vectorize($simd, #[inline(always)] || $expression)
+            $crate::fearless_simd::Simd::vectorize($simd, #[inline(always)] || $expression)
         } else if let Some($simd) = level.as_avx2() {
-            fearless_simd::Simd::vectorize($simd, #[inline(always)] || $expression)
+            $crate::fearless_simd::Simd::vectorize($simd, #[inline(always)] || $expression)
         } else {
             let $simd = level.as_sse2().expect("part of every x86-64");
-            fearless_simd::Simd::vectorize($simd, #[inline(always)] || $expression)
+            $crate::fearless_simd::Simd::vectorize($simd, #[inline(always)] || $expression)
         }
         #[cfg(not(target_arch = "x86_64"))]
-        fearless_simd::dispatch!(level, $simd => $expression)
+        $crate::fearless_simd::dispatch!(level, $simd => $expression)
     }};
 }
-pub(crate) use dispatched;
+pub use dispatched;
 
 mod cellular;
 mod gradient;
@@ -53,12 +55,14 @@ pub use fearless_simd::Simd;
 
 pub use cellular::{Cell2, Cell3, cells_2d, cells_3d, facets, hollows};
 pub use gradient::{LACUNARITY, Source};
-pub(crate) use lane::smooth_step;
+#[doc(hidden)]
+pub use lane::smooth_step;
 pub use lane::{Ints, Jet, Lanes, Mask, Real, Value};
 pub use vector::{Vec3, mix, soft_max, soft_min, vec3};
 
 /// The widest vectors of this machine, or those that a test has chosen for its thread.
-pub(crate) fn level() -> Level {
+#[doc(hidden)]
+pub fn level() -> Level {
     #[cfg(test)]
     if let Some(chosen) = CHOSEN_LEVEL.get() {
         return chosen;
