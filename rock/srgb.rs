@@ -11,9 +11,8 @@ pub struct SrgbTable {
     thresholds: [f32; 257],
 }
 
-impl SrgbTable {
-    /// Makes the table.
-    pub fn new() -> Self {
+impl Default for SrgbTable {
+    fn default() -> Self {
         let mut thresholds = [f32::INFINITY; 257];
         thresholds[0] = 0.0;
         for (code, threshold) in thresholds.iter_mut().enumerate().take(256).skip(1) {
@@ -23,7 +22,9 @@ impl SrgbTable {
         let codes = (0..=BUCKETS).map(|k| code_at(k as f32 / BUCKETS as f32)).collect();
         Self { codes, thresholds }
     }
+}
 
+impl SrgbTable {
     /// The code of a linear value, clamped to 0–1.
     #[inline]
     pub fn encode(&self, value: f32) -> u8 {
@@ -44,7 +45,7 @@ mod tests {
 
     #[test]
     fn every_code_survives_the_round_trip() {
-        let table = SrgbTable::new();
+        let table = SrgbTable::default();
         for code in 0..=255_u8 {
             assert_eq!(table.encode(linear(f64::from(code) / 255.0) as f32), code);
         }
@@ -52,7 +53,7 @@ mod tests {
 
     #[test]
     fn the_table_matches_the_definition() {
-        let table = SrgbTable::new();
+        let table = SrgbTable::default();
         for k in 0..=100_000 {
             let value = k as f32 / 100_000.0;
             let defined = (table.thresholds.partition_point(|&t| t <= value) - 1) as u8;

@@ -39,7 +39,7 @@ pub fn bake<W: Write + Send>(
 ) -> io::Result<()> {
     let strips = Strips::new(textured, TILE_PX[1]);
     let wants_height = sinks.height.is_some();
-    let baker = Baker { textured, surface, strips: &strips, srgb: SrgbTable::new(), wants_height };
+    let baker = Baker { textured, surface, strips: &strips, srgb: SrgbTable::default(), wants_height };
     let mut writers = Writers::new(sinks, textured.size_px, formats)?;
     let top_down: Vec<u32> = (0..strips.count()).rev().collect();
     for batch in top_down.chunks(STRIPS_AT_ONCE as usize) {
