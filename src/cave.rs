@@ -115,7 +115,7 @@ impl Cave {
         if pipeline.has_pieces() {
             return Ok(());
         }
-        pipeline.pieces()?;
+        pipeline.make(Stage::Pieces)?;
         done(Stage::Pieces, &pipeline);
         Ok(pipeline.settle()?)
     }

@@ -31,6 +31,7 @@ pub use self::outside::{Disk, Machine};
 pub use self::part::chunk_grid;
 pub use self::status::{StageStatus, State};
 pub use self::things::stock;
+pub use self::threads::with_large_stacks;
 use crate::field::{Aabb, CaveField};
 use crate::material::Material;
 use crate::mesh::{self, ChunkIndex, Grid, GridError};
@@ -203,14 +204,14 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// As the function of the stage.
     pub fn make(&self, stage: Stage) -> Result<(), PipelineError> {
-        match stage {
+        with_large_stacks(|| match stage {
             Stage::Graph => Ok(()),
             Stage::Preview => self.preview(),
             Stage::Mesh => self.mesh(),
             Stage::Things => self.things(),
             Stage::Texture => self.texture(),
             Stage::Pieces => self.pieces(),
-        }
+        })
     }
 
     /// Makes the meshes of all chunks.
@@ -400,7 +401,7 @@ impl<'a> Pipeline<'a> {
             self.observer.advance(stage);
             Ok(())
         };
-        threads::with_large_stacks(|| items.par_iter().try_for_each(each))?;
+        items.par_iter().try_for_each(each)?;
         self.observer.end(stage);
         Ok(())
     }

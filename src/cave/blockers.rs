@@ -22,6 +22,11 @@ impl Certified<'_> {
     /// # Errors
     /// If a model or a map of the recipe cannot be read; if work was stopped.
     pub fn pictures(&self, observer: &dyn Observer) -> Result<Vec<Option<Vec<u8>>>, CaveError> {
+        pipeline::with_large_stacks(|| self.pictures_here(observer))
+    }
+
+    /// [`Certified::pictures`] on the threads of the caller.
+    fn pictures_here(&self, observer: &dyn Observer) -> Result<Vec<Option<Vec<u8>>>, CaveError> {
         let files = pipeline::user_files(self.recipe, observer)?;
         let field = pipeline::field_with(self.recipe, self.graph, &files);
         let stock = pipeline::stock(self.recipe, &files);

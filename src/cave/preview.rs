@@ -23,9 +23,11 @@ pub fn preview(input: &Input, row: &ViewRow, order: &Order, observer: &dyn Obser
     let graph = graph_of(input, observer)?;
     let files = pipeline::user_files(&input.recipe, observer)?;
     let field = pipeline::field_with(&input.recipe, &graph, &files);
-    let stock = row.shows_things.then(|| pipeline::stock(&input.recipe, &files)).flatten();
-    let subject = pipeline::furnished(&input.recipe, &graph, &field, stock.as_ref());
-    Ok(row.draw(&subject, order)?)
+    pipeline::with_large_stacks(|| {
+        let stock = row.shows_things.then(|| pipeline::stock(&input.recipe, &files)).flatten();
+        let subject = pipeline::furnished(&input.recipe, &graph, &field, stock.as_ref());
+        Ok(row.draw(&subject, order)?)
+    })
 }
 
 /// The graph that the pipeline would use.

@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::{Pipeline, PipelineError, field_and_grid};
+use super::{Pipeline, PipelineError, field_and_grid, with_large_stacks};
 use crate::mesh::{ChunkIndex, Grid};
 use crate::recipe::Recipe;
 use crate::store::{Stage, Unit, chunk_name};
@@ -20,6 +20,11 @@ impl Pipeline<'_> {
     /// # Errors
     /// If there is no valid grid, the disk fails, or the observer stops.
     pub fn part(&self, numbers: Range<usize>, stages: &BTreeSet<Stage>) -> Result<Vec<Unit>, PipelineError> {
+        with_large_stacks(|| self.part_here(numbers, stages))
+    }
+
+    /// [`Pipeline::part`] on the threads of the caller.
+    fn part_here(&self, numbers: Range<usize>, stages: &BTreeSet<Stage>) -> Result<Vec<Unit>, PipelineError> {
         let (field, grid) = field_and_grid(self.recipe, &self.graph)?;
         let own: Vec<ChunkIndex> = grid.indices().skip(numbers.start).take(numbers.len()).collect();
         let needs_neighbours = [Stage::Things, Stage::Pieces].iter().any(|stage| stages.contains(stage));
