@@ -1,7 +1,7 @@
 //! The extension module `plume._plume`: Plume for Python, and Python's USD library for Plume.
 //!
 //! No logic: the command line, recipes and caves are those of the Rust crates. Here they get Python names, NumPy arrays and
-//! Python exceptions. Long work runs on threads without the interpreter lock ([`work`]).
+//! Python exceptions. Long work runs on threads without the interpreter lock (`work`).
 
 mod array;
 mod cave;

@@ -27,6 +27,7 @@ fn steps(table: &mut Table, foreign_programs: ScopedJoinHandle<()>) -> Result<()
     table.step("documentation and packages", documentation_and_packages)?;
     table.step("compiling the tests", || cargo_task(&["test", "--workspace", "--no-run", "--quiet"]))?;
     table.step("Rust tests", || test::rust(&[]))?;
+    table.step("a program without optimisation", test::program)?;
     table.step("waiting for foreign programs", || {
         foreign_programs.join().map_err(|_| "preparing foreign programs panicked".to_owned())
     })?;
@@ -39,7 +40,8 @@ fn steps(table: &mut Table, foreign_programs: ScopedJoinHandle<()>) -> Result<()
 /// Checks that the documentation has no warnings and that every public crate can be packaged.
 fn documentation_and_packages() -> Result<()> {
     let mut documentation = cargo();
-    documentation.args(["doc", "--workspace", "--lib", "--no-deps", "--exclude", "plume-python", "--quiet"]);
+    // All crates, as for clippy: without one, others would have other features, and be compiled again.
+    documentation.args(["doc", "--workspace", "--lib", "--no-deps", "--quiet"]);
     show(documentation.env("RUSTDOCFLAGS", "-D warnings"))?;
     let others = ["xtask", "plume-campaign", "plume-python"].map(|name| ["--exclude", name]).concat();
     let package = ["package", "--workspace", "--no-verify", "--allow-dirty", "--quiet"];

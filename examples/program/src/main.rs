@@ -9,7 +9,7 @@ use plume::{Cave, CaveFolder, Input, Observer, Recipe, Unobserved};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let home = PathBuf::from(std::env::args_os().nth(1).ok_or("name a folder")?);
-    let settings = ["graph.nodes=3", "mesh.voxel_m=0.5", "texture.size_px=256"].map(str::to_owned);
+    let settings = ["graph.nodes=3", "mesh.voxel_m=0.5", "texture.density_px_per_m=8"].map(str::to_owned);
     let input = Input::of(Recipe::from_overrides(&settings)?);
     let watch = Unobserved::default();
     let cave = Cave::make(input, CaveFolder::open_or_new(&home.join("cave"))?, false, &watch, &mut |_, _| ())?;
