@@ -469,13 +469,12 @@ fn colors_of_a_rock_change_colours_only() {
             let of = |words: &Value| words["const"].as_str().filter(|name| key.starts_with(name)).map(str::to_owned);
             let lithology =
                 lithologies().find_map(of).or_else(|| key.starts_with("mudstone").then(|| "coal".to_owned()));
-            let settings = lithology.map_or(json!({}), |lithology| json!({"lithology": lithology}));
+            let mut settings = lithology.map_or(json!({}), |lithology| json!({"lithology": lithology}));
             let painted = |rock: Value| {
                 let rock = (row.read)(rock).expect("the settings are valid");
                 CaveField::new(&graph(), &PassageSettings::default(), rock, Look::default(), 7)
             };
             let plain = painted(settings.clone());
-            let mut settings = settings;
             settings["colors"] = json!({key: [1.0, 0.0, 1.0]});
             let magenta = painted(settings);
             let points = near_wall(&plain, 6000);

@@ -132,7 +132,7 @@ fn default(value: &Value) -> String {
     match value.get("default") {
         None => "required".to_owned(),
         Some(Value::Null) => "none".to_owned(),
-        Some(Value::Object(_)) => "as below".to_owned(),
+        Some(_) if value["properties"].is_object() => "as below".to_owned(),
         Some(Value::Array(tables)) if tables.iter().any(Value::is_object) => format!("{} tables", tables.len()),
         Some(value) => code(value),
     }
@@ -166,7 +166,7 @@ mod tests {
             }}},
             "pieces": {"properties": {"of": {"type": "object", "description": "Inner.", "default": {"n": 1}, "properties": {
                 "n": {"type": "integer", "minimum": 1, "maximum": 3, "default": 1}
-            }}}}
+            }}, "free": {"type": "object", "default": {}}}}
         }}"##;
         let tables = tables(schema).expect("the schema is one");
         let rows: Vec<&str> = tables.lines().filter(|line| line.starts_with("| `") || line.starts_with('#')).collect();
@@ -183,6 +183,7 @@ mod tests {
                 "### `[pieces]`",
                 "| `of` | Inner. | a table | as below |",
                 "| `of.n` |  | 1 to 3 | `1` |",
+                "| `free` |  | a table | `{}` |",
             ]
         );
     }
