@@ -31,6 +31,8 @@ pub enum Need {
     Usd(&'static str),
     /// Tasks of Ray.
     Ray,
+    /// File systems of fsspec.
+    Publish,
 }
 
 impl Need {
@@ -38,6 +40,7 @@ impl Need {
         match self {
             Self::Usd(target) => format!("target `{target}` is written by the Python package usd-core"),
             Self::Ray => "the engine ray is the Python package ray".to_owned(),
+            Self::Publish => "datasets are published by the Python package fsspec".to_owned(),
         }
     }
 
@@ -46,6 +49,7 @@ impl Need {
         match self {
             Self::Usd(_) => "pxr",
             Self::Ray => "ray",
+            Self::Publish => "fsspec",
         }
     }
 
@@ -54,6 +58,7 @@ impl Need {
         match self {
             Self::Usd(_) => "usd",
             Self::Ray => "ray",
+            Self::Publish => "publish",
         }
     }
 }

@@ -23,6 +23,7 @@ mod output;
 mod path;
 mod preview;
 mod progress;
+mod publish;
 mod record;
 mod signals;
 mod status;
@@ -45,6 +46,7 @@ pub use self::dataset::RayTasks;
 pub use self::fault::CliError;
 use self::handover::Need;
 use self::progress::Console;
+pub use self::publish::Publish;
 use plume::cave::Input;
 use plume::store::Stage;
 use plume_graph::echo;
@@ -143,6 +145,8 @@ enum Command {
     Record(record::Record),
     /// Make many caves from one specification, for training and benchmarks
     Dataset(dataset::Dataset),
+    /// Copy a finished dataset to an object store or another folder, as it is or as shards
+    Publish(Publish),
     /// Print a commented recipe to start from
     New(new::New),
     /// Print the JSON Schema of recipes, for editors
@@ -173,6 +177,7 @@ impl Command {
         match self {
             Self::Export(export) => export.usd_target().map(Need::Usd),
             Self::Dataset(dataset) => dataset.need(),
+            Self::Publish(_) => Some(Publish::need()),
             _ => None,
         }
     }
@@ -194,9 +199,13 @@ impl Command {
             Self::Record(record) => record.threads.into(),
             Self::Measure(measure) => measure.access(),
             Self::Status(status) => status.outside.into(),
-            Self::New(_) | Self::Schema | Self::List(_) | Self::Check(_) | Self::Completions(_) | Self::Manual(_) => {
-                Access::default()
-            }
+            Self::Publish(_)
+            | Self::New(_)
+            | Self::Schema
+            | Self::List(_)
+            | Self::Check(_)
+            | Self::Completions(_)
+            | Self::Manual(_) => Access::default(),
         }
     }
 
@@ -218,6 +227,8 @@ pub enum Host {
         interpreter: PathBuf,
         /// Its engine ray.
         ray: fn(RayTasks) -> Box<dyn Engine>,
+        /// Publishes a dataset and returns how many files it wrote.
+        publish: fn(&Publish) -> Result<usize, CliError>,
     },
 }
 
@@ -339,6 +350,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::Preview(preview) => preview.run(console),
         Command::Record(record) => record.run(console),
         Command::Dataset(dataset) => dataset.run(console, host),
+        Command::Publish(publish) => publish.run(console, host),
         Command::New(new) => new.run(console),
         Command::Schema => console.result(&format!("{:#}\n", plume::recipe::editor_schema())),
         Command::List(list) => list.run(console),

@@ -110,7 +110,7 @@ def _sums(folder: Path) -> Iterator[tuple[str, str]]:
     try:
         lines = (folder / SUMS).read_text(encoding="utf-8").splitlines()
     except FileNotFoundError:
-        raise InputError(f"{folder} is no finished dataset", "make one with `plume.dataset`") from None
+        raise InputError(f"{folder} is no finished dataset", "make one with `plume dataset`") from None
     for line in lines:
         expected, name = line.split("  ", 1)
         yield name, expected
@@ -134,5 +134,12 @@ def _store(url: str, options: dict[str, Any]) -> tuple[Any, str]:
         import fsspec  # type: ignore[import-untyped]
     except ImportError as error:
         raise MissingPartError(f"fsspec cannot be loaded: {error}", "pip install 'plume-caves[publish]'") from None
-    store, root = fsspec.url_to_fs(url, **options)
+    try:
+        store, root = fsspec.url_to_fs(url, **options)
+    except ImportError as error:
+        raise MissingPartError(f"{url} cannot be reached: {error}", "install what fsspec needs for it") from None
+    except ValueError as error:
+        raise InputError(
+            f"{url} is no place that fsspec knows: {error}", "name a folder or a URL such as s3://BUCKET"
+        ) from None
     return store, root.rstrip("/")

@@ -1,4 +1,4 @@
-//! From the errors of Plume to the exceptions of `plume.errors`: the same text, and the hint in the words of Python.
+//! From the errors of Plume to the exceptions of `plume.errors`, with the same text and the hint in the words of Python, and back.
 
 use std::io::{self, ErrorKind};
 use std::path::Path;
@@ -34,6 +34,22 @@ pub fn refused(py: Python<'_>, message: &str, hint: &str) -> PyErr {
 pub fn internal(py: Python<'_>, message: &str) -> PyErr {
     let hint = "this is a bug in plume: please report it with the recipe";
     exception(py, "PlumeError", (format!("internal error: {message}"), hint))
+}
+
+/// The error for an exception that Python code of Plume raised on behalf of the command line.
+pub fn from_python(py: Python<'_>, error: &PyErr) -> CaveError {
+    let value = error.value(py);
+    let is_a = |class: &str| errors(py).and_then(|errors| value.is_instance(&errors.getattr(class)?)).unwrap_or(false);
+    let hint = value.getattr("hint").and_then(|hint| hint.extract::<String>()).unwrap_or_default();
+    let text = value.to_string();
+    let message = text.strip_suffix(&format!("\n hint: {hint}")).unwrap_or(&text).to_owned();
+    if is_a("MissingPartError") {
+        return ExportError::MissingPart { message, hint }.into();
+    }
+    match is_a("InputError") {
+        true => CaveError::Usage { message, hint },
+        false => CaveError::Failed(text),
+    }
 }
 
 fn class(error: &CaveError) -> &'static str {

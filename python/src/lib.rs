@@ -15,6 +15,7 @@ mod light;
 mod make;
 mod mesh;
 mod package;
+mod publish;
 mod ray;
 mod recipe;
 mod tables;
@@ -28,15 +29,18 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use plume_cli::Host;
+use plume_dataset::Engine;
 use pyo3::prelude::*;
 
+use crate::publish::publish;
 use crate::ray::Ray;
 use crate::usd::UsdCore;
 
 #[pymodule]
 mod _plume {
     use super::{
-        Arc, Bound, Host, OsString, PyModule, PyModuleMethods, PyResult, Python, Ray, UsdCore, interpreter, pyfunction,
+        Arc, Bound, Engine, Host, OsString, PyModule, PyModuleMethods, PyResult, Python, Ray, UsdCore, interpreter,
+        publish, pyfunction,
     };
 
     #[pymodule_export]
@@ -74,7 +78,8 @@ mod _plume {
     #[pyfunction]
     fn main(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<u8> {
         let library = Arc::new(UsdCore::default());
-        let host = Host::Python { library, interpreter: interpreter(py)?, ray: |tasks| Box::new(Ray(tasks)) };
+        let ray = |tasks| Box::new(Ray(tasks)) as Box<dyn Engine>;
+        let host = Host::Python { library, interpreter: interpreter(py)?, ray, publish };
         Ok(py.detach(|| plume_cli::run(arguments, &host)))
     }
 }

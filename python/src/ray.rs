@@ -8,9 +8,10 @@ use plume::store::StoreError;
 use plume_cli::RayTasks;
 use plume_dataset::{Engine, Plan, Reply, item};
 use plume_disk::Staging;
-use plume_exporters::ExportError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+
+use crate::error::from_python;
 
 /// Tasks of a Ray cluster.
 pub struct Ray(pub RayTasks);
@@ -29,7 +30,7 @@ impl Engine for Ray {
     ) -> Result<(), CaveError> {
         let staging = Staging::new(&item::work_folder(root)).map_err(|error| StoreError::io(root, error))?;
         Python::attach(|py| {
-            let raised = |error: PyErr| fault(py, &error);
+            let raised = |error: PyErr| from_python(py, &error);
             let tasks = self.start(py, plan, numbers, staging.path()).map_err(raised)?;
             for made in tasks.try_iter().map_err(raised)? {
                 if stop.load(Ordering::Relaxed) {
@@ -69,14 +70,5 @@ impl Ray {
         keywords.set_item("allow_outside", allows_outside_files)?;
         let items = py.import("plume.ray")?.getattr("_items")?;
         items.call((spec, numbers, scratch, address.as_deref()), Some(&keywords))
-    }
-}
-
-/// An exception of Python as an error of Plume.
-fn fault(py: Python<'_>, error: &PyErr) -> CaveError {
-    let text = error.value(py).to_string();
-    match error.get_type(py).name().is_ok_and(|name| name == "MissingPartError") {
-        true => ExportError::MissingPart { message: text, hint: String::new() }.into(),
-        false => CaveError::Failed(text),
     }
 }

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import subprocess
 import sys
 import zipfile
@@ -66,6 +67,32 @@ def test_a_copy_has_all_files_and_resumes(dataset, bucket):
 def test_a_copy_is_a_dataset(dataset, tmp_path):
     publish.copy(dataset.path, str(tmp_path / "copy"))
     subprocess.run([sys.executable, "-m", "plume", "check", "copy"], cwd=tmp_path, check=True)
+
+
+def test_the_command_publishes(dataset, bucket, tmp_path):
+    environment = {f"FSSPEC_S3_{key.upper()}": value for key, value in bucket.items()}
+
+    def command(*arguments):
+        line = [sys.executable, "-m", "plume", "publish", *arguments]
+        return subprocess.run(line, env={**os.environ, **environment}, cwd=tmp_path, capture_output=True, text=True)
+
+    names = [line.split("  ", 1)[1] for line in (dataset.path / "SHA256SUMS").read_text().splitlines()]
+    done = command(str(dataset.path), "s3://caves/by-command", "--json")
+    assert json.loads(done.stdout) == {"url": "s3://caves/by-command", "files": len(names) + 1}, done.stderr
+    store = s3fs.S3FileSystem(**bucket, skip_instance_cache=True)
+    assert store.cat_file("caves/by-command/SHA256SUMS") == (dataset.path / "SHA256SUMS").read_bytes()
+    done = command(str(dataset.path), "shards", "--shards", "2")
+    assert (done.returncode, done.stderr) == (0, "  published shards  4 shards\n")
+    assert len(list((tmp_path / "shards").glob("*.tar"))) == 4
+    for arguments, code, told in [
+        (("nowhere", "copy"), 2, "error: nowhere is no finished dataset\n hint: make one with `plume dataset`\n"),
+        ((str(dataset.path), "nope://copy"), 2, "error: nope://copy is no place that fsspec knows"),
+        ((str(dataset.path), str(tmp_path / "shards/train-000000.tar/copy")), 1, "error: "),
+    ]:
+        done = command(*arguments)
+        assert done.returncode == code, done.stderr
+        assert done.stderr.startswith(told), done.stderr
+        assert "Traceback" not in done.stderr
 
 
 def test_webdataset_reads_the_shards(dataset, tmp_path):

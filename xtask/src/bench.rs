@@ -37,11 +37,12 @@ const ROWS: [(&str, &[&str], &str); 3] = [
     ),
 ];
 
-/// Runs all rows, or those with the given numbers. `usd` times writing one chunk as USD, `targets` times a package of every
-/// target that needs no other program, and `graph` times the graph generators.
+/// Runs all rows, or those with the given numbers. `usd` times writing one chunk as USD, `ray` a dataset by Ray and by processes,
+/// `targets` a package of every target that needs no other program, and `graph` the graph generators.
 pub fn run(chosen: &[String]) -> Result<()> {
     match chosen.first().map(String::as_str) {
-        Some("usd") => return usd(),
+        Some("usd") => return python("write_chunk.py"),
+        Some("ray") => return python("ray_overhead.py"),
         Some("targets") => return targets(),
         Some("graph") => return graph(),
         _ => {}
@@ -63,10 +64,11 @@ fn graph() -> Result<()> {
     Ok(())
 }
 
-fn usd() -> Result<()> {
+/// A benchmark of the Python package, built for release.
+fn python(name: &str) -> Result<()> {
     Plume::package(Profile::Release)?;
     let python = Environment::of_project()?.python();
-    println!("{}", run_program(Command::new(python).arg(root().join("python/benches/write_chunk.py")))?);
+    println!("{}", run_program(Command::new(python).arg(root().join("python/benches").join(name)))?);
     Ok(())
 }
 

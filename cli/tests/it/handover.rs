@@ -46,6 +46,14 @@ fn an_unsuitable_python_is_reported() {
 }
 
 #[test]
+fn publishing_needs_fsspec() {
+    let desk = Desk::new();
+    let python = interpreter(&desk, "echo \"! No module named '$3'\"");
+    let output = desk.command(&["publish", "small", "copy"]).env("PLUME_PYTHON", python).output().unwrap();
+    assert_snapshot!("no_fsspec", told(&desk, &output));
+}
+
+#[test]
 fn every_searched_place_is_reported() {
     let desk = Desk::new();
     // Away from the workspace, which may have a `.venv` that fits.
