@@ -59,8 +59,9 @@ const fn count(key: &'static str, easy: f64, hard: f64) -> Knob {
     Knob { key, easy, hard, law: Law::Count }
 }
 
-const DRIVE: [Knob; 9] = [
+const DRIVE: [Knob; 10] = [
     count("graph.nodes", 12.0, 100.0),
+    linear("graph.relief_m", 1.2, 3.6),
     linear("graph.max_slope_deg", 6.0, 16.0),
     linear("graph.ramp_max_deg", 6.0, 16.0),
     linear("passage.width_min_m", 2.6, 1.4),
@@ -71,8 +72,10 @@ const DRIVE: [Knob; 9] = [
     linear("world.friction", 0.8, 0.6),
 ];
 
-const FLY: [Knob; 7] = [
+const FLY: [Knob; 9] = [
     count("graph.nodes", 12.0, 150.0),
+    count("graph.layers", 1.0, 3.0),
+    linear("graph.relief_m", 1.2, 12.0),
     linear("graph.max_slope_deg", 6.0, 40.0),
     linear("graph.ramp_max_deg", 15.0, 80.0),
     linear("passage.width_min_m", 3.0, 1.2),
