@@ -74,6 +74,15 @@ struct Slot {
     look: Look,
 }
 
+impl Slot {
+    /// The depth of a point in its shape, relative to the middle of the slot.
+    fn depth_m(&self, local: [f32; 3]) -> f32 {
+        let beyond = local.iter().fold(0.0, |most: f32, c| most.max(c.abs() - REACH_M));
+        // Within reach of the next shape there is only air.
+        if beyond > 0.0 { -0.04 - beyond } else { (self.shape)(local) }
+    }
+}
+
 /// Humidity of loose stones, given that of the wall: dry until half of the wall is wet, since the copies of a stone in a streak of
 /// water would shine wherever they lie.
 fn humidity_of_stones(humidity: f32) -> f32 {
@@ -137,11 +146,12 @@ impl Shelf {
         Aabb { min: [0.0; 3], max: [ROW as f32 * CELL_M, rows as f32 * CELL_M, CELL_M] }
     }
 
-    /// The depth of a point in the shape that is in the slot of `origin`, without noise; `None` outside of its slot.
+    /// The depth of a point in the shape that is in the slot of `origin`, wherever the point is, without noise; `None` for solids and
+    /// models.
     pub(super) fn shape_at(&self, origin: [f32; 3], point: [f32; 3]) -> Option<f32> {
-        let (slot, local) = self.local(origin).map(|(slot, _)| slot).zip(self.local(point).map(|(_, local)| local))?;
-        let is_within = slot_at(origin) == slot_at(point) && local.iter().all(|c| c.abs() < REACH_M);
-        is_within.then(|| (slot.shape)(local))
+        let slot = slot_at(origin)?;
+        let middle = middle_of(slot);
+        Some(self.slots.get(slot)?.depth_m(std::array::from_fn(|axis| point[axis] - middle[axis])))
     }
 
     /// The slot at a point, and the point relative to its middle.
@@ -153,10 +163,7 @@ impl Shelf {
 
     /// The field without noise.
     fn plain(&self, point: [f32; 3]) -> f32 {
-        let Some((slot, local)) = self.local(point) else { return -CELL_M };
-        let beyond = local.iter().fold(0.0, |most: f32, c| most.max(c.abs() - REACH_M));
-        // Within reach of the next shape there is only air.
-        if beyond > 0.0 { -0.04 - beyond } else { (slot.shape)(local) }
+        self.local(point).map_or(-CELL_M, |(slot, local)| slot.depth_m(local))
     }
 }
 

@@ -1,5 +1,6 @@
 //! The laws of things, in every rock and in the caves of every generator.
 
+mod dressed;
 mod equipment;
 mod gravel;
 mod models;
@@ -353,9 +354,8 @@ fn things_hardly_depend_on_the_size_of_chunks() {
     }
 }
 
-/// Chunks know the walls a few metres beyond their borders, which is less than the height of a hall.
-#[test]
-fn chunks_agree_on_the_things_of_a_hall() {
+/// Two large rooms side by side.
+fn hall() -> Graph {
     let node = |id: u64, x: f64, z: f64| Node {
         id,
         parent: None,
@@ -366,8 +366,13 @@ fn chunks_agree_on_the_things_of_a_hall() {
         section: None,
         name: None,
     };
-    let graph = Graph::new(vec![node(0, 0.0, 0.0), node(1, 20.0, 6.0)], StationId::pairs([[0, 1]]));
-    let cave = Cave::new("hall".to_owned(), graph, "basalt", 16.0);
+    Graph::new(vec![node(0, 0.0, 0.0), node(1, 20.0, 6.0)], StationId::pairs([[0, 1]]))
+}
+
+/// Chunks know the walls a few metres beyond their borders, which is less than the height of a hall.
+#[test]
+fn chunks_agree_on_the_things_of_a_hall() {
+    let cave = Cave::new("hall".to_owned(), hall(), "basalt", 16.0);
     let in_box = |bounds: Aabb<f64>| {
         let walls = || cave.walls.iter().map(|(_, wall)| wall);
         [place(&cave.setting(), bounds, walls()), strew(&cave.setting(), bounds, walls())].concat()
