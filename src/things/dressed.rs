@@ -111,6 +111,12 @@ impl<'a> Dressed<'a> {
         best
     }
 
+    /// The points of a group on the shelf. Those of distant stones may be short of its cube, beside which is the next shape.
+    fn surface_of(&self, thing: &Placed, group: &[usize], points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let at = |&n: &usize| self.shelf.surface_at(thing.origin.into(), thing.on_shelf(points[n]));
+        group.iter().map(at).collect()
+    }
+
     fn normals_of(&self, thing: &Placed, on_shelf: &[[f32; 3]]) -> Vec<[f32; 3]> {
         if thing.planes.is_empty() {
             return self.shelf.normals_at(on_shelf);
@@ -161,7 +167,7 @@ impl Field for Dressed<'_> {
     fn normals(&self, bounds: Aabb<f32>, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
         self.cave.normals(bounds, points, out);
         for (thing, group) in self.before_the_wall(points) {
-            let on_shelf: Vec<[f32; 3]> = group.iter().map(|&n| thing.on_shelf(points[n])).collect();
+            let on_shelf = self.surface_of(thing, &group, points);
             for (n, normal) in group.into_iter().zip(self.normals_of(thing, &on_shelf)) {
                 out[n] = turned(thing, normal);
             }
@@ -173,7 +179,7 @@ impl Surface for Dressed<'_> {
     fn texels(&self, bounds: Aabb<f32>, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
         self.cave.texels(bounds, texel_m, points, normals, out);
         for (thing, group) in self.before_the_wall(points) {
-            let on_shelf: Vec<[f32; 3]> = group.iter().map(|&n| thing.on_shelf(points[n])).collect();
+            let on_shelf = self.surface_of(thing, &group, points);
             let upright = |&n: &usize| (thing.shelf_from_cave * Vector3::from(normals[n])).into();
             let upright: Vec<[f32; 3]> = group.iter().map(upright).collect();
             let mut texels = vec![Texel::default(); group.len()];

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use nalgebra::Vector3;
+
 use super::halls::Hall;
 use super::kind::{KindRow, Kinds, Shape, Shapes};
 use super::replica::Replica;
@@ -74,15 +76,6 @@ struct Slot {
     look: Look,
 }
 
-impl Slot {
-    /// The depth of a point in its shape, relative to the middle of the slot.
-    fn depth_m(&self, local: [f32; 3]) -> f32 {
-        let beyond = local.iter().fold(0.0, |most: f32, c| most.max(c.abs() - REACH_M));
-        // Within reach of the next shape there is only air.
-        if beyond > 0.0 { -0.04 - beyond } else { (self.shape)(local) }
-    }
-}
-
 /// Humidity of loose stones, given that of the wall: dry until half of the wall is wet, since the copies of a stone in a streak of
 /// water would shine wherever they lie.
 fn humidity_of_stones(humidity: f32) -> f32 {
@@ -146,12 +139,22 @@ impl Shelf {
         Aabb { min: [0.0; 3], max: [ROW as f32 * CELL_M, rows as f32 * CELL_M, CELL_M] }
     }
 
-    /// The depth of a point in the shape that is in the slot of `origin`, wherever the point is, without noise; `None` for solids and
-    /// models.
+    /// Upper bound of the depth of a point in the shape that is in the slot of `origin`, wherever the point is, without noise: its depth
+    /// where it is not far from it. `None` for solids and models.
     pub(super) fn shape_at(&self, origin: [f32; 3], point: [f32; 3]) -> Option<f32> {
         let slot = slot_at(origin)?;
-        let middle = middle_of(slot);
-        Some(self.slots.get(slot)?.depth_m(std::array::from_fn(|axis| point[axis] - middle[axis])))
+        let nearest = within_reach(slot, point);
+        let local = std::array::from_fn(|axis| nearest[axis] - middle_of(slot)[axis]);
+        let depth_m = (self.slots.get(slot)?.shape)(local);
+        let beyond_m = (Vector3::from(point) - Vector3::from(nearest)).norm();
+        // The way from the nearest point of the cube to the shape leads away from this point, or at a right angle to that.
+        Some(if beyond_m > 0.0 { -libm::hypotf(beyond_m, depth_m.min(0.0)) } else { depth_m })
+    }
+
+    /// Where the surface near a point is that of the shape in the slot of `origin`: at the point, or where it is nearest to it.
+    pub(super) fn surface_at(&self, origin: [f32; 3], point: [f32; 3]) -> [f32; 3] {
+        let slot = slot_at(origin).filter(|slot| *slot < self.slots.len());
+        slot.map_or(point, |slot| within_reach(slot, point))
     }
 
     /// The slot at a point, and the point relative to its middle.
@@ -163,7 +166,10 @@ impl Shelf {
 
     /// The field without noise.
     fn plain(&self, point: [f32; 3]) -> f32 {
-        self.local(point).map_or(-CELL_M, |(slot, local)| slot.depth_m(local))
+        let Some((slot, local)) = self.local(point) else { return -CELL_M };
+        let beyond = local.iter().fold(0.0, |most: f32, c| most.max(c.abs() - REACH_M));
+        // Within reach of the next shape there is only air.
+        if beyond > 0.0 { -0.04 - beyond } else { (slot.shape)(local) }
     }
 }
 
@@ -198,6 +204,12 @@ pub(super) fn middle_of(slot: usize) -> [f32; 3] {
     let (cell_m, row, z, slot) =
         if slot < SOLIDS { (CELL_M, ROW, 0.5, slot) } else { (HALL_M, HALLS, 1.5, slot - SOLIDS) };
     [(slot % row) as f32 + 0.5, (slot / row) as f32 + 0.5, z].map(|c| c * cell_m)
+}
+
+/// The point of the cube around a shape that is nearest to a point.
+fn within_reach(slot: usize, point: [f32; 3]) -> [f32; 3] {
+    let middle = middle_of(slot);
+    std::array::from_fn(|axis| point[axis].clamp(middle[axis] - REACH_M, middle[axis] + REACH_M))
 }
 
 impl Field for Shelf {
