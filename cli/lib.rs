@@ -177,7 +177,7 @@ impl Command {
         match self {
             Self::Export(export) => export.usd_target().map(Need::Usd),
             Self::Dataset(dataset) => dataset.need(),
-            Self::Publish(_) => Some(Publish::need()),
+            Self::Publish(_) => Some(Need::Publish),
             _ => None,
         }
     }

@@ -8,7 +8,6 @@ use serde_json::json;
 
 use super::Host;
 use super::fault::CliError;
-use super::handover::Need;
 use super::progress::Console;
 
 /// Copies a finished dataset to an object store or another folder, as it is or as WebDataset shards. Every file is checked against
@@ -40,10 +39,5 @@ impl Publish {
         let kind = if self.shards.is_some() { "shards" } else { "files written" };
         console.note(&format!("  published {}  {files} {kind}", self.url));
         Ok(())
-    }
-
-    /// What it needs of the Python package.
-    pub fn need() -> Need {
-        Need::Publish
     }
 }
