@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::ExportError;
 
 mod copies;
+mod document;
 mod geometry;
 pub mod glb;
 pub mod index;
@@ -20,8 +21,10 @@ mod material;
 mod meshopt;
 mod payload;
 mod readme;
+mod spool;
 
 pub use copies::Copies;
+pub use document::Document;
 pub use geometry::buffer_file;
 pub use layout::{Layout, level_buffer};
 pub use material::{image_files, images};

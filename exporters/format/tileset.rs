@@ -148,17 +148,19 @@ impl Tile {
         Ok(Self::group(halves.into_iter().collect::<Result<_, _>>()?))
     }
 
-    /// Writes a tileset with this tile at its root; `extras` are for applications.
+    /// Writes a tileset with this tile at its root; `extras` are for applications, if there are any.
     ///
     /// # Errors
     /// Those of the package.
-    pub fn write(&self, path: &str, extras: &Value, out: &mut dyn Package) -> Result<(), ExportError> {
-        let tileset = json!({
+    pub fn write(&self, path: &str, extras: Option<Value>, out: &mut dyn Package) -> Result<(), ExportError> {
+        let mut tileset = json!({
             "asset": { "version": "1.1" },
-            "extras": extras,
             "geometricError": self.error_m,
             "root": self,
         });
+        if let Some(extras) = extras {
+            tileset["extras"] = extras;
+        }
         out.write(path, |file| Ok(serde_json::to_writer(file, &tileset).map_err(io::Error::from)?))
     }
 }

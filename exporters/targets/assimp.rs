@@ -97,7 +97,8 @@ impl Assimp {
         let (folder, name) = stem.rsplit_once('/').map_or(("", stem), |(folder, name)| (folder, name));
         let path = format!("{stem}.{}", self.format.extension);
         let style = Style { buffers: Place::Embedded, images: Place::Beside, compression: Compression::None };
-        let (mut layout, mut payload, mut triangles) = (Layout::new(scene, style), Vec::new(), 0);
+        let scratch = out.scratch()?;
+        let (mut layout, mut payload, mut triangles) = (Layout::new(scene, style, scratch.path()), Vec::new(), 0);
         for index in chunks {
             let chunk = scene.chunk(index)?;
             // Its GLB reader does not support EXT_texture_webp, and would drop the images.
@@ -109,7 +110,7 @@ impl Assimp {
             triangles += chunk.visual.triangles();
         }
         let mut bytes = Vec::new();
-        glb::write_head(&mut bytes, &path, &layout.finish())?;
+        glb::write_head(&mut bytes, &path, &layout.finish()?)?;
         bytes.append(&mut payload);
         self.library.convert(&bytes, &self.format.id, &mut |extension, file| {
             let path = if extension.is_empty() { path.clone() } else { format!("{stem}.{extension}") };

@@ -13,6 +13,8 @@
 //! Memory: one chunk. A GLB starts with its length and a JSON with all sizes, so for a file of several chunks each chunk is
 //! loaded twice: once for planning, once for writing.
 
+use std::path::Path;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -119,9 +121,9 @@ impl Target for Glb {
 }
 
 impl Glb {
-    fn layout(&self, scene: &Scene) -> Layout {
+    fn layout(&self, scene: &Scene, scratch: &Path) -> Layout {
         let style = Style { buffers: Place::Embedded, images: Place::Embedded, compression: self.0.compression };
-        Layout::new(scene, style)
+        Layout::new(scene, style, scratch)
     }
 
     fn copies(&self, scene: &Scene) -> Result<Copies, ExportError> {
@@ -154,8 +156,8 @@ impl Glb {
     }
 
     fn write_single(&self, scene: &Scene, out: &mut dyn Package) -> Result<Vec<Entry>, ExportError> {
-        let path = format!("{}.glb", scene.name);
-        let (mut layout, copies) = (self.layout(scene), self.copies(scene)?);
+        let (path, scratch) = (format!("{}.glb", scene.name), out.scratch()?);
+        let (mut layout, copies) = (self.layout(scene, scratch.path()), self.copies(scene)?);
         let mut entries = Vec::new();
         for index in 0..scene.chunks.len() {
             let part = self.load(scene, index)?;
@@ -166,10 +168,10 @@ impl Glb {
             layout.add_lights(&scene.lights);
         }
         layout.add_landmarks(&scene.network.landmarks());
-        let root = layout.finish();
+        let document = layout.finish()?;
         out.write(&path, |file| {
-            glb::write_head(file, &path, &root)?;
-            let mut again = self.layout(scene);
+            glb::write_head(file, &path, &document)?;
+            let mut again = self.layout(scene, scratch.path());
             for index in 0..scene.chunks.len() {
                 let part = self.load(scene, index)?;
                 self.add(&mut again, &part, &copies)?.iter().try_for_each(|payload| payload.write(file))?;
@@ -180,15 +182,15 @@ impl Glb {
     }
 
     fn write_chunks(&self, scene: &Scene, out: &mut dyn Package) -> Result<Vec<Entry>, ExportError> {
-        let (mut entries, copies) = (Vec::new(), self.copies(scene)?);
+        let (mut entries, copies, scratch) = (Vec::new(), self.copies(scene)?, out.scratch()?);
         for index in 0..scene.chunks.len() {
             let part = self.load(scene, index)?;
             let path = format!("chunks/{}.glb", part.chunk.name);
-            let mut layout = self.layout(scene);
+            let mut layout = self.layout(scene, scratch.path());
             let payloads = self.add(&mut layout, &part, &copies)?;
-            let root = layout.finish();
+            let document = layout.finish()?;
             out.write(&path, |file| {
-                glb::write_head(file, &path, &root)?;
+                glb::write_head(file, &path, &document)?;
                 payloads.iter().try_for_each(|payload| payload.write(file))
             })?;
             entries.push(self.entry(&path, &part));

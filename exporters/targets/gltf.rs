@@ -13,6 +13,8 @@
 //! shows every node of a document, including those outside the scene, where MSFT_lod keeps the coarser levels: it would show
 //! all of them together. A streaming reader loads the buffers of the chunks that it needs.
 
+use std::path::Path;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -87,7 +89,8 @@ pub struct Gltf(
 impl Target for Gltf {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
-        let mut documents = self.documents(scene);
+        let scratch = out.scratch()?;
+        let mut documents = self.documents(scene, scratch.path());
         let copies = Copies::of(scene, self.wants_pieces(), self.0.instancing)?;
         let mut entries = Vec::new();
         for index in 0..scene.chunks.len() {
@@ -119,9 +122,9 @@ impl Target for Gltf {
 }
 
 impl Gltf {
-    fn documents(&self, scene: &Scene) -> Documents {
+    fn documents(&self, scene: &Scene, scratch: &Path) -> Documents {
         let style = Style { buffers: Place::Beside, images: Place::Beside, compression: self.0.compression };
-        let start = |path: String| Document { layout: Layout::new(scene, style), path };
+        let start = |path: String| Document { layout: Layout::new(scene, style, scratch), path };
         Documents { full: start(format!("{}.gltf", scene.name)), lods: self.0.lods.then(|| start(lods_path(scene))) }
     }
 }
@@ -189,7 +192,7 @@ impl Documents {
 
     fn write(self, out: &mut dyn Package) -> Result<(), ExportError> {
         for Document { layout, path } in [Some(self.full), self.lods].into_iter().flatten() {
-            out.json(&path, &layout.finish())?;
+            out.json(&path, &layout.finish()?)?;
         }
         Ok(())
     }

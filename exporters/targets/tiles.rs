@@ -22,7 +22,7 @@ use minijinja::context;
 use nalgebra::{Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::json;
 use tempfile::TempDir;
 
 use crate::error::{ExportError, at};
@@ -48,8 +48,8 @@ pub const ROW: TargetRow = TargetRow {
     opened_by: "CesiumJS, Cesium for Unreal, Unity and Omniverse, 3DTilesRendererJS (three.js), deck.gl",
     contents: "`tileset.json`, a tree of regions of up to 64 chunks; for each chunk a GLB per level of detail with images of \
         its own, each half as wide and high as those of the next finer level; things as instances (`EXT_mesh_gpu_instancing`)",
-    tested_by: "3DTilesRendererJS in Chromium; Khronos glTF validator without an error or warning",
-    checks: &["tiles", "validator"],
+    tested_by: "CesiumJS and 3DTilesRendererJS in Chromium; Khronos glTF validator without an error or warning",
+    checks: &["cesium", "tiles", "validator"],
     images: &ImageFormat::COMMON,
     is_single_file: false,
     has_pieces: false,
@@ -114,7 +114,7 @@ fn write_tilesets(scene: &Scene, tiles: Vec<Tile>, out: &mut dyn Package) -> Res
         let path = format!("{FOLDER}region_{regions}.json");
         regions += 1;
         let region = Tile::group(tiles);
-        region.write(&path, &Value::Null, out)?;
+        region.write(&path, None, out)?;
         Ok(region.in_file(path))
     })?;
     let extras = json!({
@@ -123,7 +123,7 @@ fn write_tilesets(scene: &Scene, tiles: Vec<Tile>, out: &mut dyn Package) -> Res
         "generator": scene.generator,
         "recipe": scene.recipe,
     });
-    root.write("tileset.json", &extras, out)
+    root.write("tileset.json", Some(extras), out)
 }
 
 /// Writes the tiles of chunks.
@@ -169,15 +169,15 @@ impl Writer<'_> {
         out: &mut dyn Package,
     ) -> Result<String, ExportError> {
         let style = Style { buffers: Place::Embedded, images: Place::Beside, compression: self.compression };
-        let mut layout = Layout::new(self.scene, style);
+        let mut layout = Layout::new(self.scene, style, self.scratch.path());
         let (_, payload) = match chunk.content {
             Content::Wall | Content::Gravel { .. } => layout.add_chunk(chunk, &[])?,
             Content::Things { .. } => layout.add_things(chunk, things, &self.copies)?,
         };
-        let root = layout.finish();
+        let document = layout.finish()?;
         let path = format!("{FOLDER}{name}.glb");
         out.write(&path, |file| {
-            glb::write_head(file, &path, &root)?;
+            glb::write_head(file, &path, &document)?;
             payload.write(file)
         })?;
         for (path, image) in gltf::image_files(chunk) {

@@ -179,7 +179,7 @@ impl Reader {
     }
 }
 
-static READERS: [Reader; 32] = [
+static READERS: [Reader; 33] = [
     Reader { name: "pybullet", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::drop_balls },
     Reader { name: "rest", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::let_go_of_stones },
     Reader { name: "gazebo", of: Kind::Gazebo, prepare: gazebo::make, command: gazebo::open },
@@ -189,6 +189,7 @@ static READERS: [Reader; 32] = [
     Reader { name: "three", of: Kind::Gltf, prepare: gltf::make_browser, command: gltf::draw },
     Reader { name: "validator", of: Kind::Tiles, prepare: gltf::make, command: gltf::validate },
     Reader { name: "tiles", of: Kind::Tiles, prepare: gltf::make_browser, command: gltf::stream },
+    Reader { name: "cesium", of: Kind::Tiles, prepare: gltf::make_browser, command: gltf::stream_in_cesium },
     Reader { name: "three-fbx", of: Kind::Fbx, prepare: gltf::make_browser, command: gltf::draw },
     Reader { name: "page", of: Kind::Page, prepare: gltf::make_browser, command: page::open },
     Reader { name: "check_urdf", of: Kind::Urdf, prepare: urdf::install_parser, command: urdf::parse },

@@ -39,13 +39,14 @@ impl Layout {
     /// the chunk has the meshes that no chunk before it has used, and may be empty.
     ///
     /// # Errors
-    /// If a prototype is missing, or the size of an image cannot be read.
+    /// If a prototype is missing, or the size of an image cannot be read, and those of files in `scratch`.
     pub fn add_things<'a>(
         &mut self,
         chunk: &'a Chunk,
         things: &[Instance],
         copies: &Copies,
     ) -> Result<(Placed, Payload<'a>), ExportError> {
+        self.document.settle(&self.scratch)?;
         let mut payload = Payload::default();
         let mut opened = false;
         let mut open = |layout: &mut Self| {
@@ -98,9 +99,9 @@ impl Layout {
             name: Some(names::convex_piece(&name, 0)),
             ..Node::default()
         });
-        let children = below.map(|node| vec![self.root.push(node)]);
+        let children = below.map(|node| vec![self.document.nodes.push(node)]);
         let mesh = Some(self.shared[&visual(thing)]);
-        self.root.push(Node { mesh, children, name: Some(name), ..moved(thing) })
+        self.document.nodes.push(Node { mesh, children, name: Some(name), ..moved(thing) })
     }
 }
 

@@ -22,19 +22,19 @@ pub(super) const VERTEX: [Semantic; 4] =
 impl Layout {
     /// Starts the buffer `name`, if there are several.
     pub(super) fn open_buffer(&mut self, name: &str) {
-        if self.style.buffers == Place::Embedded && !self.root.buffers.is_empty() {
+        if self.style.buffers == Place::Embedded && !self.document.root.buffers.is_empty() {
             return;
         }
         let uri = match self.style.buffers {
             Place::Embedded => None,
             Place::Beside => Some(buffer_file(name)),
         };
-        self.open = self.root.push(empty_buffer(uri));
+        self.open = self.document.root.push(empty_buffer(uri));
         if self.style.compression == Compression::Meshopt {
             self.require_extension(meshopt::EXTENSION);
             let mut unpacked = empty_buffer(None);
             meshopt::mark_fallback(&mut unpacked);
-            self.root.buffers.push(unpacked);
+            self.document.root.buffers.push(unpacked);
         }
     }
 
@@ -63,12 +63,12 @@ impl Layout {
             _ => (Type::Vec2, floats(&mesh.uvs, frame::upper_left_uv)),
         };
         let index = self.rows(bytes, shape, payload);
-        let accessor = &mut self.root.accessors[index.value()];
+        let accessor = self.document.accessors.recent(index);
         if *semantic == Semantic::Positions {
             [accessor.min, accessor.max] = bounds(&mesh.positions).map(|corner| Some(json!(corner)));
         }
         if let Some(view) = accessor.buffer_view {
-            self.root.buffer_views[view.value()].target = Some(Valid(Target::ArrayBuffer));
+            self.document.buffer_views.recent(view).target = Some(Valid(Target::ArrayBuffer));
         }
         index
     }
@@ -84,7 +84,7 @@ impl Layout {
                 self.packed(meshopt::vertices(&bytes, stride), plain, &meshopt::Packing::vertices(stride), payload)
             }
         };
-        self.root.push(accessor(view, count, ComponentType::F32, shape))
+        self.document.accessors.push(accessor(view, count, ComponentType::F32, shape))
     }
 
     fn indices(&mut self, mesh: &Mesh, payload: &mut Payload) -> Index<Accessor> {
@@ -99,8 +99,8 @@ impl Layout {
                 self.packed(meshopt::triangles(mesh), plain, &meshopt::Packing::triangles(stride), payload)
             }
         };
-        self.root.buffer_views[view.value()].target = Some(Valid(Target::ElementArrayBuffer));
-        self.root.push(accessor(view, mesh.indices.len(), component, Type::Scalar))
+        self.document.buffer_views.recent(view).target = Some(Valid(Target::ElementArrayBuffer));
+        self.document.accessors.push(accessor(view, mesh.indices.len(), component, Type::Scalar))
     }
 
     fn plain(&mut self, bytes: Vec<u8>, payload: &mut Payload) -> Index<View> {
@@ -112,19 +112,19 @@ impl Layout {
     /// A view of `plain` bytes, which the reader unpacks into the fallback buffer after the open one.
     fn packed(&mut self, bytes: Vec<u8>, plain: u64, packing: &meshopt::Packing, payload: &mut Payload) -> Index<View> {
         let unpacked = Index::new(self.open.value() as u32 + 1);
-        let range = append(&mut self.root.buffers[self.open.value()], bytes.len() as u64);
-        let mut view = append(&mut self.root.buffers[unpacked.value()], plain);
+        let range = append(&mut self.document.root.buffers[self.open.value()], bytes.len() as u64);
+        let mut view = append(&mut self.document.root.buffers[unpacked.value()], plain);
         view.buffer = unpacked;
         packing.tell(&mut view, self.open, &range);
         payload.push_bytes(bytes);
-        self.root.push(view)
+        self.document.buffer_views.push(view)
     }
 
     /// The next `bytes` of the open buffer.
     pub(super) fn view(&mut self, bytes: u64) -> Index<View> {
-        let mut view = append(&mut self.root.buffers[self.open.value()], bytes);
+        let mut view = append(&mut self.document.root.buffers[self.open.value()], bytes);
         view.buffer = self.open;
-        self.root.push(view)
+        self.document.buffer_views.push(view)
     }
 }
 

@@ -65,7 +65,7 @@ impl Layout {
             let attributes = json!({ "TRANSLATION": translation, "ROTATION": rotation, "SCALE": scale, "_ID": number });
             let others = &mut node.extensions.get_or_insert_default().others;
             others.insert(EXTENSION.to_owned(), json!({ "attributes": attributes }));
-            self.root.push(node)
+            self.document.nodes.push(node)
         };
         alike.into_iter().map(node).collect()
     }

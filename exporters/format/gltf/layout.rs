@@ -1,6 +1,7 @@
 //! The JSON: nodes, meshes and levels of detail.
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 use gltf_json::extras::RawValue;
 use gltf_json::mesh::Primitive;
@@ -11,6 +12,7 @@ use nalgebra::{Point3, distance};
 use serde_json::{Value, json};
 
 use super::Style;
+use super::document::Document;
 use super::geometry::VERTEX;
 use super::payload::Payload;
 use crate::error::ExportError;
@@ -22,7 +24,9 @@ const SCREEN_PX: [f32; 2] = [1920.0, 1080.0];
 
 /// A document that is built chunk by chunk; the bytes of each are returned when it is added.
 pub struct Layout {
-    pub(super) root: Root,
+    pub(super) document: Document,
+    /// A folder for files that are removed when they are closed.
+    pub(super) scratch: PathBuf,
     pub(super) style: Style,
     /// The buffer that is being filled.
     pub(super) open: Index<Buffer>,
@@ -41,8 +45,8 @@ pub struct Placed {
 }
 
 impl Layout {
-    /// A scene without nodes.
-    pub fn new(scene: &Scene, style: Style) -> Self {
+    /// A scene without nodes. What does not fit into memory waits in the folder `scratch`.
+    pub fn new(scene: &Scene, style: Style, scratch: &Path) -> Self {
         let mut root = Root {
             asset: Asset { generator: Some(scene.generator.clone()), ..Asset::default() },
             scene: Some(Index::new(0)),
@@ -61,7 +65,8 @@ impl Layout {
             ..Sampler::default()
         });
         Self {
-            root,
+            document: Document { root, ..Document::default() },
+            scratch: scratch.to_owned(),
             style,
             open: Index::new(0),
             textures: BTreeMap::new(),
@@ -73,8 +78,9 @@ impl Layout {
     /// Adds a node with the visual mesh, its material and its images, with a child node for each convex piece.
     ///
     /// # Errors
-    /// If the size of an image cannot be read.
+    /// If the size of an image cannot be read, and those of files in `scratch`.
     pub fn add_chunk<'a>(&mut self, chunk: &'a Chunk, pieces: &[Piece]) -> Result<(Placed, Payload<'a>), ExportError> {
+        self.document.settle(&self.scratch)?;
         self.open_buffer(&chunk.name);
         let mut payload = Payload::default();
         let primitive = self.primitive(&chunk.visual, &VERTEX, &mut payload);
@@ -86,7 +92,7 @@ impl Layout {
             .map(|(number, piece)| {
                 let primitive = self.primitive(&piece.mesh, &VERTEX[..1], &mut payload);
                 let child = self.node(names::convex_piece(&chunk.name, number), primitive);
-                self.root.push(child)
+                self.document.nodes.push(child)
             })
             .collect();
         node.children = (!children.is_empty()).then_some(children);
@@ -95,7 +101,7 @@ impl Layout {
     }
 
     /// Adds the coarser levels of a chunk with MSFT_lod: nodes outside the scene, named `<chunk>_LOD1` and so on, to which
-    /// the node of the chunk refers. Levels share its material.
+    /// the node of the chunk refers. Levels share its material. No chunk may be added between it and them.
     pub fn add_levels(&mut self, chunk: &Chunk, placed: &Placed) -> Payload<'static> {
         let mut payload = Payload::default();
         if chunk.lods.is_empty() {
@@ -107,10 +113,10 @@ impl Layout {
             let primitive = self.primitive(&lod.mesh, &VERTEX, &mut payload);
             let primitive = Primitive { material: Some(placed.material), ..primitive };
             let node = self.node(names::level(&chunk.name, number), primitive);
-            ids.push(self.root.push(Node { extras: extras(&json!({ "error_m": lod.error_m })), ..node }));
+            ids.push(self.document.nodes.push(Node { extras: extras(&json!({ "error_m": lod.error_m })), ..node }));
         }
         self.use_extension("MSFT_lod");
-        let node = &mut self.root.nodes[placed.node.value()];
+        let node = self.document.nodes.recent(placed.node);
         let others = &mut node.extensions.get_or_insert_default().others;
         others.insert("MSFT_lod".to_owned(), json!({ "ids": ids }));
         node.extras = extras(&json!({ "error_m": 0.0, "MSFT_screencoverage": screen_coverage(chunk) }));
@@ -118,13 +124,17 @@ impl Layout {
     }
 
     /// The JSON.
-    pub fn finish(self) -> Root {
-        self.root
+    ///
+    /// # Errors
+    /// Those of files in `scratch`.
+    pub fn finish(mut self) -> Result<Document, ExportError> {
+        self.document.settle(&self.scratch)?;
+        Ok(self.document)
     }
 
     pub(super) fn add_node(&mut self, node: Node) -> Index<Node> {
-        let node = self.root.push(node);
-        self.root.scenes[0].nodes.push(node);
+        let node = self.document.nodes.push(node);
+        self.document.root.scenes[0].nodes.push(node);
         node
     }
 
@@ -135,7 +145,7 @@ impl Layout {
     }
 
     pub(super) fn mesh(&mut self, name: String, primitive: Primitive) -> Index<Mesh> {
-        self.root.push(Mesh {
+        self.document.meshes.push(Mesh {
             extensions: None,
             extras: None,
             name: Some(name),
@@ -145,12 +155,12 @@ impl Layout {
     }
 
     pub(super) fn use_extension(&mut self, name: &str) {
-        add_once(&mut self.root.extensions_used, name);
+        add_once(&mut self.document.root.extensions_used, name);
     }
 
     pub(super) fn require_extension(&mut self, name: &str) {
         self.use_extension(name);
-        add_once(&mut self.root.extensions_required, name);
+        add_once(&mut self.document.root.extensions_required, name);
     }
 }
 

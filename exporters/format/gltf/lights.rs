@@ -17,7 +17,7 @@ impl Layout {
         }
         self.use_extension("KHR_lights_punctual");
         let table = KhrLightsPunctual { lights: lights.iter().map(punctual).collect() };
-        self.root.extensions.get_or_insert_default().khr_lights_punctual = Some(table);
+        self.document.root.extensions.get_or_insert_default().khr_lights_punctual = Some(table);
         for (index, light) in (0..).zip(lights) {
             let reference = khr_lights_punctual::KhrLightsPunctual { light: Index::new(index) };
             let position = frame::gltf_from_scene::<f64>(light.position.into());

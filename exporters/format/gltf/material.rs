@@ -32,7 +32,7 @@ impl Layout {
             textures.push(self.texture(&material.name, role, image, payload)?);
         }
         let [base_color, normal, orm] = textures[..] else { unreachable!("there are three images") };
-        let made = self.root.push(Material {
+        let made = self.document.root.push(Material {
             name: Some(material.name.clone()),
             pbr_metallic_roughness: PbrMetallicRoughness {
                 base_color_texture: Some(info(base_color)),
@@ -79,7 +79,7 @@ impl Layout {
             let others = &mut texture.extensions.get_or_insert_default().others;
             others.insert("EXT_texture_webp".to_owned(), json!({ "source": source }));
         }
-        let texture = self.root.push(texture);
+        let texture = self.document.root.push(texture);
         self.textures.insert(name, texture);
         Ok(texture)
     }
@@ -101,7 +101,7 @@ impl Layout {
             Place::Beside => (None, Some(image_file(material, role, image))),
         };
         let mime_type = Some(MimeType(image.format.media_type().to_owned()));
-        Ok(self.root.push(gltf_json::Image {
+        Ok(self.document.root.push(gltf_json::Image {
             buffer_view,
             mime_type,
             name: Some(name.to_owned()),

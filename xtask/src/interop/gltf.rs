@@ -31,10 +31,18 @@ pub(super) fn stream(package: &Path) -> Result<Command> {
     Ok(picture("tiles.mjs", package))
 }
 
+pub(super) fn stream_in_cesium(package: &Path) -> Result<Command> {
+    Ok(draw_into("cesium.mjs", package, &package.with_extension("cesium.png")))
+}
+
 /// The picture is next to the package: `<package>.png`.
 fn picture(script: &str, package: &Path) -> Command {
+    draw_into(script, package, &package.with_extension("png"))
+}
+
+fn draw_into(script: &str, package: &Path, picture: &Path) -> Command {
     let mut command = Command::new("node");
-    command.arg(folder().join(script)).arg(package).arg("--out").arg(package.with_extension("png"));
+    command.arg(folder().join(script)).arg(package).arg("--out").arg(picture);
     command
 }
 
