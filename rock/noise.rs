@@ -50,6 +50,8 @@ mod gradient;
 mod lane;
 mod vector;
 
+use std::cell::Cell;
+
 use fearless_simd::Level;
 pub use fearless_simd::Simd;
 
@@ -60,19 +62,23 @@ pub use lane::smooth_step;
 pub use lane::{Ints, Jet, Lanes, Mask, Real, Value};
 pub use vector::{Vec3, mix, soft_max, soft_min, vec3};
 
-/// The widest vectors of this machine, or those that a test has chosen for its thread.
-#[doc(hidden)]
-pub fn level() -> Level {
-    #[cfg(test)]
-    if let Some(chosen) = CHOSEN_LEVEL.get() {
-        return chosen;
-    }
-    Level::new()
+thread_local! {
+    static CHOSEN_LEVEL: Cell<Option<Level>> = const { Cell::new(None) };
 }
 
-#[cfg(test)]
-thread_local! {
-    pub(crate) static CHOSEN_LEVEL: std::cell::Cell<Option<Level>> = const { std::cell::Cell::new(None) };
+/// The widest vectors of this machine, or those that [`with_level`] has chosen.
+#[doc(hidden)]
+pub fn level() -> Level {
+    CHOSEN_LEVEL.get().unwrap_or_else(Level::new)
+}
+
+/// Runs something on this thread with the vectors of another machine.
+#[doc(hidden)]
+pub fn with_level<T>(level: Level, run: impl FnOnce() -> T) -> T {
+    let before = CHOSEN_LEVEL.replace(Some(level));
+    let result = run();
+    CHOSEN_LEVEL.set(before);
+    result
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ mod settings;
 mod simplify;
 mod smooth;
 
-pub use chunk::{ChunkMeshes, chunk, visual_chunk};
+pub use chunk::{ChunkMeshes, chunk, may_have_wall, visual_chunk};
 pub(crate) use collapse::{CollapsePolicy, Collapser, StopCriterion};
 pub(crate) use collapse_mesh::{Collapse, CollapseMesh};
 pub(crate) use collide::hull;

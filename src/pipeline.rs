@@ -17,6 +17,7 @@ mod status;
 mod things;
 mod threads;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -224,8 +225,11 @@ impl<'a> Pipeline<'a> {
         if self.walls().is_empty() { Err(PipelineError::Empty) } else { Ok(()) }
     }
 
+    /// Makes those of chunks that may have a wall. Others are no units: a long cave has hundreds of them for each that is one.
     fn meshes(&self, field: &CaveField, grid: &Grid, chunks: &[ChunkIndex]) -> Result<(), PipelineError> {
-        self.each(Stage::Mesh, chunks, |index| {
+        let chunks: Vec<ChunkIndex> =
+            chunks.iter().copied().filter(|index| mesh::may_have_wall(field, grid, *index)).collect();
+        self.each(Stage::Mesh, &chunks, |index| {
             let name = chunk_name(*index);
             self.unit(Stage::Mesh, &name, || {
                 let meshes = mesh::chunk(field, grid, *index, self.recipe.mesh());
@@ -287,10 +291,13 @@ impl<'a> Pipeline<'a> {
 
     /// Whether every wall is textured and has its things. Texturing starts after the last mesh.
     pub fn is_finished(&self) -> bool {
-        let textured = self.units(Stage::Texture);
-        let walls = self.walls();
-        let is_textured = |wall: &Unit| textured.iter().any(|unit| unit.name == wall.name);
-        !walls.is_empty() && walls.iter().all(is_textured) && self.has_things()
+        let (walls, textured) = (self.walls(), self.names(Stage::Texture));
+        !walls.is_empty() && walls.iter().all(|wall| textured.contains(&wall.name)) && self.has_things()
+    }
+
+    /// The names of [`units`](Self::units).
+    fn names(&self, stage: Stage) -> BTreeSet<String> {
+        self.units(stage).into_iter().map(|unit| unit.name).collect()
     }
 
     fn fingerprint(&self, stage: Stage) -> &str {

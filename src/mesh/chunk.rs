@@ -25,6 +25,11 @@ pub struct ChunkMeshes {
     pub collision_error_m: f32,
 }
 
+/// Whether a chunk may have a wall. Of those of a long cave, few may.
+pub fn may_have_wall(field: &dyn Field, grid: &Grid, index: ChunkIndex) -> bool {
+    field.region(grid.chunk_bounds(index)) == Region::Mixed
+}
+
 /// Makes a chunk; `None` if it has no wall.
 ///
 /// `field` must be rock outside the bounds of the grid, and finite.
@@ -78,10 +83,9 @@ fn triangle_budget(field: &dyn Field, grid: &Grid, index: ChunkIndex, max_triang
 }
 
 fn mixed_blocks(field: &dyn Field, grid: &Grid, index: ChunkIndex) -> u64 {
-    let owned = grid.owned(index);
-    let mixed = |window: &Window| field.region(window.bounds(grid.voxel_m)) == Region::Mixed;
-    if !mixed(&owned) {
+    if !may_have_wall(field, grid, index) {
         return 0;
     }
-    owned.blocks(BLOCK).filter(mixed).count() as u64
+    let mixed = |window: &Window| field.region(window.bounds(grid.voxel_m)) == Region::Mixed;
+    grid.owned(index).blocks(BLOCK).filter(mixed).count() as u64
 }

@@ -53,7 +53,7 @@ impl Pipeline<'_> {
 
     /// Whether every wall has its convex pieces.
     pub fn has_pieces(&self) -> bool {
-        let made = self.units(Stage::Pieces);
-        self.walls().iter().all(|wall| made.iter().any(|unit| unit.name == wall.name))
+        let made = self.names(Stage::Pieces);
+        self.walls().iter().all(|wall| made.contains(&wall.name))
     }
 }

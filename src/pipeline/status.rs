@@ -1,10 +1,12 @@
 //! Progress of a cave folder, and what the next run would do there.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{Pipeline, PipelineError};
-use crate::mesh::Grid;
+use crate::mesh::{self, Grid};
 use crate::store::{Stage, WHOLE_CAVE, chunk_name};
 
 /// Progress of a stage.
@@ -48,8 +50,7 @@ impl Pipeline<'_> {
     pub fn status(&self) -> Result<Vec<StageStatus>, PipelineError> {
         let graph = self.stage_status(Stage::Graph, Some(vec!["cave".to_owned()]))?;
         let preview = self.stage_status(Stage::Preview, Some(vec!["cave".to_owned()]))?;
-        let grid = Grid::new(self.field().bounds(), self.recipe.mesh()).ok();
-        let mut mesh = self.stage_status(Stage::Mesh, grid.map(|grid| grid.indices().map(chunk_name).collect()))?;
+        let mut mesh = self.stage_status(Stage::Mesh, self.meshed_chunks())?;
         if mesh.state == State::Done && self.walls().is_empty() {
             mesh.state = State::Empty;
         }
@@ -65,11 +66,20 @@ impl Pipeline<'_> {
         Ok(vec![graph, preview, mesh, things, texture, pieces])
     }
 
+    /// Names of the chunks that are units of the mesh; `None` if there is no grid.
+    fn meshed_chunks(&self) -> Option<Vec<String>> {
+        let field = self.field();
+        let grid = Grid::new(field.bounds(), self.recipe.mesh()).ok()?;
+        let chunks = grid.indices().filter(|index| mesh::may_have_wall(&field, &grid, *index));
+        Some(chunks.map(chunk_name).collect())
+    }
+
     fn stage_status(&self, stage: Stage, wanted: Option<Vec<String>>) -> Result<StageStatus, PipelineError> {
         let units = self.units(stage);
         let outdated = self.folder.units(stage).len() - units.len();
-        let total = wanted.as_ref().map(Vec::len);
-        let counts = |name: &str| wanted.as_ref().is_none_or(|wanted| wanted.iter().any(|other| other == name));
+        let wanted: Option<BTreeSet<String>> = wanted.map(|names| names.into_iter().collect());
+        let total = wanted.as_ref().map(BTreeSet::len);
+        let counts = |name: &str| wanted.as_ref().is_none_or(|wanted| wanted.contains(name));
         let whole: Result<Vec<bool>, _> = units
             .par_iter()
             .map(|unit| Ok(self.folder.finished(stage, &unit.name, self.fingerprint(stage))?.is_some()))

@@ -88,9 +88,8 @@ impl Pipeline<'_> {
 
     /// Whether every wall has its things.
     pub fn has_things(&self) -> bool {
-        let made = self.units(Stage::Things);
-        let is_made = |name: &str| made.iter().any(|unit| unit.name == name);
-        is_made(WHOLE_CAVE) && self.walls().iter().all(|wall| is_made(&wall.name))
+        let made = self.names(Stage::Things);
+        made.contains(WHOLE_CAVE) && self.walls().iter().all(|wall| made.contains(&wall.name))
     }
 }
 

@@ -36,6 +36,8 @@ const ARROWS: &[(&str, &[&str])] = &[
 fn sources(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<PathBuf> = entries
+        // Tests in a folder of their own are no module.
+        .filter(|path| !path.ends_with("tests"))
         .flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] })
         .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
         .collect();
