@@ -90,3 +90,39 @@ impl<T: Serialize> Serialize for Spool<T> {
         array.end()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lists_are_those_that_were_pushed() {
+        let scratch = tempfile::tempdir().unwrap();
+        let (mut spool, mut list) = (Spool::default(), Vec::new());
+        assert!(spool.is_empty());
+        for number in 0..40_000_u32 {
+            let index = spool.push(vec![number]);
+            assert_eq!(index.value(), list.len());
+            if number % 7 == 0 {
+                spool.recent(index).push(1);
+            }
+            list.push(if number % 7 == 0 { vec![number, 1] } else { vec![number] });
+            if number % 1000 == 0 {
+                spool.settle(scratch.path()).unwrap();
+            }
+        }
+        spool.settle(scratch.path()).unwrap();
+        assert!(spool.file.is_some() && !spool.text.is_empty());
+        // A length is counted before the text is written.
+        for _ in 0..2 {
+            assert_eq!(serde_json::to_string(&spool).unwrap(), serde_json::to_string(&list).unwrap());
+        }
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_made_is_told() {
+        let mut spool = Spool::default();
+        spool.push("x".repeat(KEPT_BYTES));
+        assert!(spool.settle(Path::new("no/such/folder")).is_err());
+    }
+}
