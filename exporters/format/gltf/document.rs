@@ -7,7 +7,7 @@ use gltf_json::{Accessor, Mesh, Node, Root};
 use serde::Serialize;
 
 use super::spool::Spool;
-use crate::error::ExportError;
+use crate::error::{ExportError, at};
 
 /// A document: a [`Root`] whose longest lists are beside it.
 #[derive(Default, Serialize)]
@@ -37,9 +37,10 @@ impl Document {
     /// # Errors
     /// Those of files in the folder `scratch`.
     pub(super) fn settle(&mut self, scratch: &Path) -> Result<(), ExportError> {
-        self.accessors.settle(scratch)?;
-        self.buffer_views.settle(scratch)?;
-        self.meshes.settle(scratch)?;
-        Ok(self.nodes.settle(scratch)?)
+        let named = |error| at(scratch.display(), &error);
+        self.accessors.settle(scratch).map_err(named)?;
+        self.buffer_views.settle(scratch).map_err(named)?;
+        self.meshes.settle(scratch).map_err(named)?;
+        Ok(self.nodes.settle(scratch).map_err(named)?)
     }
 }
