@@ -225,7 +225,7 @@ impl<'a> Pipeline<'a> {
         if self.walls().is_empty() { Err(PipelineError::Empty) } else { Ok(()) }
     }
 
-    /// Makes those of chunks that may have a wall. Others are no units: a long cave has hundreds of them for each that is one.
+    /// Makes those of `chunks` that may have a wall. Others are no units.
     fn meshes(&self, field: &CaveField, grid: &Grid, chunks: &[ChunkIndex]) -> Result<(), PipelineError> {
         let chunks: Vec<ChunkIndex> =
             chunks.iter().copied().filter(|index| mesh::may_have_wall(field, grid, *index)).collect();

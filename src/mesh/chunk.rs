@@ -25,7 +25,7 @@ pub struct ChunkMeshes {
     pub collision_error_m: f32,
 }
 
-/// Whether a chunk may have a wall. Of those of a long cave, few may.
+/// Whether a chunk may have a wall: it is neither all rock nor all air.
 pub fn may_have_wall(field: &dyn Field, grid: &Grid, index: ChunkIndex) -> bool {
     field.region(grid.chunk_bounds(index)) == Region::Mixed
 }

@@ -1,8 +1,6 @@
 // What pages that draw a cave with three.js share: renderer, camera, exposure, and what the picture is like.
 import * as THREE from 'three';
-
-// No rock has this colour: what shows it is a hole.
-const BACKGROUND = [255, 0, 255];
+import { BACKGROUND, measure } from './pixels.mjs';
 
 // Mean brightness that the camera aims at, and how far it opens for it. Tuned by eye: brighter, rock looks like plaster.
 const [BRIGHTNESS, MOST_EXPOSURE] = [0.2, 5];
@@ -21,7 +19,7 @@ export function stage() {
 /// Draws twice: as a camera would, once the light has been measured. Gives what was measured.
 export function expose(renderer, scene, camera) {
   renderer.render(scene, camera);
-  const measured = measure(renderer);
+  const measured = measure(renderer.getContext());
   renderer.toneMappingExposure = Math.min(MOST_EXPOSURE, BRIGHTNESS / measured.mean);
   renderer.render(scene, camera);
   return measured;
@@ -50,21 +48,4 @@ export function cameraAt(spawn, eye) {
 
 export function trianglesOf({ geometry, isInstancedMesh, count }) {
   return (geometry.index ?? geometry.attributes.position).count / 3 * (isInstancedMesh ? count : 1);
-}
-
-function measure(renderer) {
-  const gl = renderer.getContext();
-  const pixels = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
-  gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-  let [sum, squares, holes] = [0, 0, 0];
-  for (let i = 0; i < pixels.length; i += 4) {
-    const [r, g, b] = pixels.subarray(i, i + 3);
-    if (r === BACKGROUND[0] && g === BACKGROUND[1] && b === BACKGROUND[2]) holes += 1;
-    const grey = (r + g + b) / 765;
-    sum += grey;
-    squares += grey * grey;
-  }
-  const count = pixels.length / 4;
-  const mean = sum / count;
-  return { mean, deviation: Math.sqrt(Math.max(0, squares / count - mean * mean)), background: holes / count };
 }
